@@ -1,0 +1,33 @@
+// Files appear under their final name whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace voxcone {
+
+/// A temporary file beside `finalPath` that `commit` renames to it; without commit the destructor removes it.
+class AtomicFile {
+  public:
+    /// Creates missing parent folders. The temporary name keeps the final extension, which image writers go by.
+    explicit AtomicFile(std::filesystem::path finalPath);
+    ~AtomicFile();
+    AtomicFile(const AtomicFile&) = delete;
+    AtomicFile& operator=(const AtomicFile&) = delete;
+
+    const std::filesystem::path& temporaryPath() const { return temporary_; }
+    void commit();
+
+  private:
+    std::filesystem::path final_, temporary_;
+    bool committed_ = false;
+};
+
+/// Writes `content` whole. Throws InputError that names the file when it cannot.
+void writeTextFile(const std::filesystem::path& path, std::string_view content);
+
+/// Reads a whole file. Throws InputError that names the file when it cannot.
+std::string readTextFile(const std::filesystem::path& path);
+
+}  // namespace voxcone

@@ -1,0 +1,62 @@
+// The truth: a path tracer on Embree with the renderer's scene, BRDF, lights, environment, camera and channels.
+#pragma once
+
+#include <functional>
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+#include "core/settings.h"
+#include "metric/image.h"
+#include "scene/scene.h"
+
+namespace voxcone {
+
+/// Conventions shared with the renderer (docs/architecture.md, "What light does"):
+///  - A surface blocks light from both sides. The back of a single-sided material reflects like its front but does not emit,
+///    and the camera's own rays pass through it.
+///  - `direct` is light from analytic lights (Scene::lights) straight to the visible surface, diffuse and specular.
+///    Everything else that arrives (sky, emitting surfaces, bounced light) is indirect: `indirectDiffuse` through the
+///    diffuse lobe, `indirectSpecular` through the specular lobe. beauty = direct + both + emission + background.
+///  - Pixel samples lie on the regular supersample² grid inside the pixel (pixel centre for 1).
+struct ReferenceImages {
+    Image beauty, direct, indirectDiffuse, indirectSpecular, emission, albedo, normal;  ///< 3 channels, linear radiance
+    Image ao, depth;       ///< 1 channel; ao is cosine-weighted openness; depth is view-space distance −z, 0 = background
+    Image position;        ///< 3 channels, world space
+    /// Standard error of the mean of beauty and of indirectDiffuse, as RMS over pixels relative to the mean value, from two
+    /// independent halves of the samples.
+    double beautyError = 0, indirectDiffuseError = 0;
+    int samples = 0;       ///< per pixel
+    double seconds = 0;
+};
+
+class PathTracer {
+  public:
+    /// Builds the BVH of `scene` at `time` seconds.
+    PathTracer(const Scene& scene, double time = 0);
+    ~PathTracer();
+    PathTracer(const PathTracer&) = delete;
+    PathTracer& operator=(const PathTracer&) = delete;
+
+    /// Renders all channels. Deterministic for a seed, whatever the number of threads. `progress` gets 0…1 or is empty.
+    ReferenceImages render(const Camera& worldCamera, const Settings& settings,
+                           const std::function<void(double)>& progress = {}) const;
+
+    /// A point on a surface that is not part of the picture: what tests, voxel probes and the cone inspector ask for.
+    struct Probe {
+        glm::dvec3 position;
+        glm::vec3 normal;
+    };
+    struct ProbeResult {
+        glm::vec3 indirectIrradiance;  ///< from sky, emitters and bounces, W/m²
+        glm::vec3 directIrradiance;    ///< from analytic lights
+        float openness;                ///< cosine-weighted fraction of the sky that is visible (ao.distance, ao.falloff)
+    };
+    std::vector<ProbeResult> probe(const std::vector<Probe>& probes, const Settings& settings) const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace voxcone

@@ -1,0 +1,76 @@
+// The frame: the order of passes in one readable function, and the channels it gives.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/settings.h"
+#include "metric/image.h"
+#include "scene/scene.h"
+
+namespace voxcone {
+
+namespace gl {
+class Context;
+}
+
+/// What one frame cost. Times are of the device (`timer` says how they were taken).
+struct FrameStats {
+    struct Pass {
+        std::string name;
+        double milliseconds = 0;
+    };
+    struct Memory {
+        std::string name;
+        std::uint64_t bytes = 0;
+    };
+    std::vector<Pass> passes;  ///< in the order they ran; passes that did not run are absent
+    double frameMilliseconds = 0;
+    std::string timer;         ///< "query" or "finish"
+    std::vector<Memory> memory;
+    std::map<std::string, std::uint64_t> counts;  ///< triangles, occupied voxels, fragments saturated, values clamped, …
+};
+
+/// Something that is not modelled, and why, for `voxcone info`.
+struct LeftOut {
+    std::string what, why;
+};
+
+/// Renders one scene. Not thread-safe: lives on the thread of its context.
+class Renderer {
+  public:
+    /// Uploads `scene` as it is at `time` seconds and allocates only what scene and settings need. Throws DeviceError when a
+    /// limit is too small.
+    Renderer(gl::Context& context, const Scene& scene, const Settings& settings, double time = 0);
+    ~Renderer();
+    Renderer(const Renderer&) = delete;
+    Renderer& operator=(const Renderer&) = delete;
+
+    /// Moves animated nodes to `time`; voxels and shadow maps follow with the next frame.
+    void setTime(double time);
+
+    /// Draws one frame into the device's channels. Voxels and shadow maps are rebuilt only when something moved.
+    void render(const Camera& worldCamera);
+
+    /// Reads a channel of the last frame back, linear float at output resolution; names as in capture/script.h. `beauty` is
+    /// linear radiance scaled by the exposure, before the tone curve.
+    Image channel(const std::string& name);
+
+    /// Beauty through the tone curve, linear display-referred in [0,1].
+    Image display();
+
+    /// Forgets the voxels, so that the next frame builds them again: for timing and for determinism tests.
+    void invalidate();
+
+    const FrameStats& stats() const;
+    std::vector<LeftOut> leftOut() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace voxcone

@@ -1,0 +1,155 @@
+// Cones through the voxels. Needs the defines SIX_FACE, COMPOSITING_{LINEAR,EXPONENTIAL,ALPHA}, START_NORMAL, FOOTPRINT_CAP,
+// AO_DISTANCE, and skyRadiance(direction, tanHalfAngle) before it is included.
+//
+// All lengths are in voxels of the finest level, and positions are in [0, resolution].
+
+uniform int u_resolution;
+uniform int u_levels;            // mip levels of the volumes
+uniform float u_coneStep;        // footprints
+uniform float u_coneGain;        // g
+uniform float u_footprintCap;    // K
+uniform float u_startOffset;     // voxels, times |n|_1
+uniform float u_nudge;           // voxel diagonals
+uniform float u_coneMaxDistance; // voxels
+uniform float u_radianceScale;   // stored radiance times this is W/(m² sr)
+#if AO_DISTANCE
+uniform float u_aoDistance;      // voxels
+uniform int u_aoFalloff;         // 0 none, 1 linear, 2 square root
+#endif
+
+#if SIX_FACE
+uniform sampler3D u_coveragePositive;  // density of surfaces that look along +x, +y, +z
+uniform sampler3D u_coverageNegative;  // … along -x, -y, -z
+#endif
+uniform sampler3D u_radiance;
+
+struct Cone {
+    vec3 origin;     // of the surface, not yet offset
+    vec3 normal;     // geometric
+    vec3 direction;
+    float tanHalfAngle;
+};
+
+struct ConeResult {
+    vec3 radiance;        // without sky
+    float transmittance;  // what is left for the sky
+    float openness;       // transmittance with the occluders' distance weighted
+};
+
+float occluderWeight(float distance_) {
+#if AO_DISTANCE
+    float x = distance_ / u_aoDistance;
+    if (x >= 1.0) return 0.0;
+    return u_aoFalloff == 0 ? 1.0 : (u_aoFalloff == 1 ? 1.0 - x : 1.0 - sqrt(x));
+#else
+    return 1.0;
+#endif
+}
+
+/// Distance along `d` from `o` to where it leaves the grid; 0 when `o` is outside and `d` never enters.
+vec2 gridRange(vec3 o, vec3 d) {
+    vec3 inverse = 1.0 / mix(d, vec3(1e-20), equal(d, vec3(0.0)));
+    vec3 a = -o * inverse, b = (float(u_resolution) - o) * inverse;
+    vec3 near = min(a, b), far = max(a, b);
+    return vec2(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
+}
+
+/// Footprint at distance t: the cone's diameter, but no more than the height above the tangent plane over K, so that a
+/// sample never reaches down into the surface that the cone leaves.
+float footprint(Cone cone, float offset, float t) {
+    float diameter = 2.0 * cone.tanHalfAngle * t;
+#if FOOTPRINT_CAP
+    diameter = min(diameter, (offset + t * dot(cone.normal, cone.direction)) / u_footprintCap);
+#endif
+    return max(diameter, 1.0);
+}
+
+#if SIX_FACE
+vec3 textureCoordinates(vec3 x, float lod, int face) {
+    // Trilinear filtering must not reach the neighbouring face in the stack: stay half a texel of the coarser level inside.
+    float halfTexel = 0.5 * exp2(ceil(lod));
+    float size = float(u_resolution);
+    float z = clamp(x.z, halfTexel, size - halfTexel);
+    return vec3(x.xy, float(face) * size + z) / vec3(size, size, 6.0 * size);
+}
+#endif
+
+ConeResult traceCone(Cone cone) {
+    vec3 d = cone.direction;
+    vec3 n = cone.normal;
+#if START_NORMAL
+    float offset = u_startOffset * (abs(n.x) + abs(n.y) + abs(n.z));
+    vec3 o = cone.origin + n * offset;
+    float t = 0.0;
+#else
+    // Eq. 3.4 of the thesis, after Rauwendaal 2013; kept finite at grazing angles.
+    float offset = 0.0;
+    vec3 o = cone.origin;
+    float t = u_nudge * sqrt(3.0) / max(dot(n, d), 1.0 / float(u_resolution));
+#endif
+    vec2 range = gridRange(o, d);
+    t = max(t, range.x);
+    float end = u_coneMaxDistance > 0.0 ? min(range.y, u_coneMaxDistance) : range.y;
+
+    ConeResult result = ConeResult(vec3(0.0), 1.0, 1.0);
+    float tau = 0.0, maxLod = float(u_levels - 1);
+    // Steps are at least a tenth of a voxel long (the range of cone.step); 65535 iterations are all some drivers run.
+    for (int i = 0; i < 4096 && t < end; ++i) {
+        float diameter = footprint(cone, offset, t);
+#if START_NORMAL
+        float ds = u_coneStep * diameter;
+        vec3 x = o + d * (t + 0.5 * ds);
+        float lod = min(log2(diameter), maxLod);
+#else
+        float ds = u_coneStep * diameter;
+        vec3 x = o + d * t;
+        float lod = clamp(log2(diameter / sqrt(3.0)), 0.0, maxLod);
+#endif
+
+#if SIX_FACE
+        vec3 unit = x / float(u_resolution);
+        vec3 positive = textureLod(u_coveragePositive, unit, lod).xyz;
+        vec3 negative = textureLod(u_coverageNegative, unit, lod).xyz;
+        vec3 a = abs(d);
+        float density = max(0.0, dot(negative - positive, d)) + dot(a, min(positive, negative));
+#else
+        vec4 voxel = textureLod(u_radiance, x / float(u_resolution), lod);
+        float density = voxel.a;
+#endif
+        if (density > 0.0) {
+#if COMPOSITING_LINEAR
+            tau += density * ds;
+            float after = max(0.0, 1.0 - u_coneGain * tau);
+#elif COMPOSITING_EXPONENTIAL
+            tau += density * ds;
+            float after = exp(-u_coneGain * tau);
+#else
+            float after = result.transmittance * (1.0 - min(density, 1.0));
+#endif
+            float stopped = result.transmittance - after;
+#if SIX_FACE
+            // Faces met look against the cone. The one that fills most counts most: it hides what lies behind it.
+            bvec3 ascending = greaterThan(d, vec3(0.0));
+            vec3 met = a * mix(positive, negative, ascending);
+            float most = max(met.x, max(met.y, met.z));
+            if (most > 0.0 && stopped > 0.0) {
+                vec3 share = met / most;
+                share = share * share * share * a;
+                vec3 rx = textureLod(u_radiance, textureCoordinates(x, lod, ascending.x ? 1 : 0), lod).rgb;
+                vec3 ry = textureLod(u_radiance, textureCoordinates(x, lod, ascending.y ? 3 : 2), lod).rgb;
+                vec3 rz = textureLod(u_radiance, textureCoordinates(x, lod, ascending.z ? 5 : 4), lod).rgb;
+                float whole = dot(share, met / max(a, vec3(1e-20)));
+                result.radiance += stopped * (share.x * rx + share.y * ry + share.z * rz) / whole;
+            }
+#else
+            result.radiance += stopped * voxel.rgb / voxel.a;
+#endif
+            result.openness -= stopped * occluderWeight(t);
+            result.transmittance = after;
+            if (after < 1e-3) break;
+        }
+        t += ds;
+    }
+    result.radiance *= u_radianceScale;
+    return result;
+}

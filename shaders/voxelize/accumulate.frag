@@ -1,0 +1,159 @@
+// Second pass: adds each clipped triangle to the records of the voxels it lies in.
+#include "voxelize/fragment_input.glsl"
+VOXELIZE_VARYINGS(in)
+#include "shared/material.glsl"
+#include "shared/brdf.glsl"
+#include "voxelize/clip.glsl"
+#include "voxelize/records.glsl"
+
+uniform int u_resolution;
+uniform uint u_firstRecord, u_recordCount;  // records of this pass; more do not fit in a buffer at once
+uniform bool u_closed;                      // triangles of watertight bodies: their backs are never seen
+#if EMISSION
+uniform float u_emissionUnit;  // fixed-point steps for a radiance of 1
+#endif
+layout(r32ui) uniform readonly uimage3D u_index;
+
+layout(std430, binding = BINDING_RECORDS) coherent buffer Records { uint b_records[]; };
+layout(std430, binding = BINDING_COUNTERS) coherent buffer Counters {
+    uint b_occupied;
+    uint b_saturated;
+    uint b_fragments;
+    uint b_clamped;
+};
+
+// Rounding by a dither that only depends on the triangle and the voxel: unbiased for weights below the fixed-point step,
+// and the same whatever the draw order.
+uint g_dither;
+uint hash(uint x) {  // PCG output permutation, Jarzynski and Olano 2020
+    x = x * 747796405u + 2891336453u;
+    x = ((x >> ((x >> 28) + 4u)) ^ x) * 277803737u;
+    return (x >> 22) ^ x;
+}
+uint hash(vec3 p) { return hash(floatBitsToUint(p.x) ^ hash(floatBitsToUint(p.y) ^ hash(floatBitsToUint(p.z)))); }
+float nextDither() {
+    g_dither = hash(g_dither);
+    return float(g_dither >> 8) * (1.0 / 16777216.0);
+}
+uint dithered(float value) { return uint(value + nextDither()); }
+
+struct Surfel {
+    vec3 albedo, normal, position, emission;
+};
+
+#if COMPARE_AND_SWAP
+// Running mean of Crassin and Green (OpenGL Insights, ch. 22): 8-bit colour and count in one word. The result depends on
+// the order of fragments, and stops at 255 of them.
+void meanInto(uint word, vec3 value) {
+    uint expected = 0u;
+    uvec3 q = uvec3(clamp(value, 0.0, 1.0) * 255.0 + 0.5);
+    uint desired = q.x | (q.y << 8) | (q.z << 16) | (1u << 24);
+    for (int attempt = 0; attempt < 1000; ++attempt) {
+        uint found = atomicCompSwap(b_records[word], expected, desired);
+        if (found == expected) return;
+        uint count = found >> 24;
+        if (count == 255u) return;
+        expected = found;
+        vec3 mean = vec3(found & 255u, (found >> 8) & 255u, (found >> 16) & 255u);
+        q = uvec3((mean * float(count) + clamp(value, 0.0, 1.0) * 255.0) / float(count + 1u) + 0.5);
+        desired = q.x | (q.y << 8) | (q.z << 16) | ((count + 1u) << 24);
+    }
+}
+void addToFace(uint record, int face, float weight, Surfel surfel) {
+    uint base = record * uint(kRecordWords) + uint(face * kFaceWords);
+    meanInto(base, surfel.albedo);
+    meanInto(base + 1u, 0.5 * surfel.normal + 0.5);
+    meanInto(base + 2u, surfel.position);
+#if EMISSION
+    meanInto(base + 3u, surfel.emission * u_emissionUnit);
+#endif
+}
+#else
+void addToFace(uint record, int face, float weight, Surfel surfel) {
+    uint base = record * uint(kRecordWords) + uint(face * kFaceWords);
+    uint w = dithered(weight * kUnit);
+    if (w == 0u) return;
+    if (b_records[base] >= kSaturated) {
+        atomicAdd(b_saturated, 1u);
+        return;
+    }
+    atomicAdd(b_records[base], w);
+    float fw = float(w);
+    for (uint i = 0u; i < 3u; ++i) {
+        atomicAdd(b_records[base + 1u + i], dithered(fw * clamp(surfel.albedo[i], 0.0, 1.0)));
+        atomicAdd(b_records[base + 4u + i], dithered(fw * 0.5 * (surfel.normal[i] + 1.0)));
+        atomicAdd(b_records[base + 7u + i], dithered(fw * clamp(surfel.position[i], 0.0, 1.0)));
+#if EMISSION
+        uint e = dithered(weight * surfel.emission[i] * u_emissionUnit);
+        if (e == 0u) continue;
+        uint old = atomicAdd(b_records[base + 10u + 2u * i], e);
+        if (old + e < old) atomicAdd(b_records[base + 11u + 2u * i], 1u);
+#endif
+    }
+}
+#endif
+
+void main() {
+    ivec2 cell = ivec2(gl_FragCoord.xy);
+    Polygon column = Polygon(vec3[](f_p0, f_p1, f_p2, f_p0, f_p0, f_p0, f_p0, f_p0, f_p0), 3);
+    for (int plane = 0; plane < 4; ++plane) {
+        int axis = plane >> 1;
+        bool upper = (plane & 1) != 0;
+        clipPolygon(column, axis, float(cell[axis] + int(upper)), upper ? -1.0 : 1.0);
+    }
+    if (column.count == 0) return;
+
+    // Barycentric coordinates from the projection along the dominant axis.
+    vec2 e1 = f_p1.xy - f_p0.xy, e2 = f_p2.xy - f_p0.xy;
+    float determinant = e1.x * e2.y - e1.y * e2.x;
+    vec3 frontNormal = f_mirrored * unpermute(normalize(cross(f_p1 - f_p0, f_p2 - f_p0)), f_axis);
+    // Texture coordinates a voxel apart along x and y of the projection.
+    vec4 uvE1 = f_uv1 - f_uv0, uvE2 = f_uv2 - f_uv0;
+    vec4 uvDx = (uvE1 * e2.y - uvE2 * e1.y) / determinant, uvDy = (uvE2 * e1.x - uvE1 * e2.x) / determinant;
+
+    ivec2 depths = depthRange(vec2(cell), u_resolution);
+    for (int z = depths.x; z <= depths.y; ++z) {
+        Polygon inside = column;
+        for (int plane = 0; plane < 2; ++plane) clipPolygon(inside, 2, float(z + plane), plane == 0 ? 1.0 : -1.0);
+        if (!insideHalfOpenCell(inside, vec3(cell, z))) continue;
+        vec3 centroid;
+        vec3 coverage = abs(unpermute(vectorArea(inside, centroid), f_axis));
+#if BINARY_COVERAGE
+        coverage = vec3(greaterThan(abs(frontNormal), vec3(1e-3)));
+#else
+        if (coverage.x + coverage.y + coverage.z <= 0.0) continue;
+#endif
+        ivec3 voxel = ivec3(unpermute(vec3(cell, z), f_axis));
+        uint record = imageLoad(u_index, voxel).r - 1u - u_firstRecord;
+        if (record >= u_recordCount) continue;
+
+        vec2 q = centroid.xy - f_p0.xy;
+        float b1 = (q.x * e2.y - q.y * e2.x) / determinant, b2 = (q.y * e1.x - q.x * e1.y) / determinant;
+        float b0 = 1.0 - b1 - b2;
+        vec4 uv = b0 * f_uv0 + b1 * f_uv1 + b2 * f_uv2;
+        vec4 color = b0 * f_color0 + b1 * f_color1 + b2 * f_color2;
+        vec3 normal = b0 * f_n0 + b1 * f_n1 + b2 * f_n2;
+        float length2 = dot(normal, normal);
+        normal = length2 > 0.0 ? normal * inversesqrt(length2) : frontNormal;
+        if (dot(normal, frontNormal) <= 0.0) normal = frontNormal;
+
+        MaterialSample material = sampleMaterialGrad(uv.xy, uv.zw, color, uvDx, uvDy);
+        float opacity = material.alphaMode == ALPHA_OPAQUE ? 1.0 : clamp(material.alpha, 0.0, 1.0);
+        Surfel surfel = Surfel(voxelAlbedo(material), normal, unpermute(centroid - vec3(cell, z), f_axis), material.emission);
+
+        atomicAdd(b_fragments, 1u);
+        g_dither = hash(hash(f_p0) ^ hash(hash(f_p1) ^ hash(hash(f_p2) ^ packVoxel(voxel))));
+        for (int side = 0; side < 2; ++side) {
+            if (side == 1) {
+                if (u_closed) break;
+                surfel.normal = -surfel.normal;
+                if (!material.doubleSided) surfel.emission = vec3(0.0);
+            }
+            float sign_ = side == 0 ? 1.0 : -1.0;
+            for (int a = 0; a < 3; ++a) {
+                float weight = coverage[a] * opacity;
+                if (weight > 0.0) addToFace(record, 2 * a + int(sign_ * frontNormal[a] < 0.0), weight, surfel);
+            }
+        }
+    }
+}

@@ -1,0 +1,11 @@
+# cmake -DROOT=shaders -DOUTPUT=file.cpp -P EmbedShaders.cmake: writes every shader below ROOT into one C++ file.
+file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/*.glsl ${ROOT}/*.vert ${ROOT}/*.geom ${ROOT}/*.frag ${ROOT}/*.comp)
+list(SORT files)
+set(text "// Generated from shaders/ by cmake/EmbedShaders.cmake.\n#include \"gl/embedded_shaders.h\"\n\n")
+string(APPEND text "namespace voxcone::gl {\nnamespace {\nconstexpr EmbeddedShader kShaders[] = {\n")
+foreach(file IN LISTS files)
+  file(READ ${ROOT}/${file} content)
+  string(APPEND text "    {\"${file}\", R\"GLSL_(${content})GLSL_\"},\n")
+endforeach()
+string(APPEND text "};\n}  // namespace\nstd::span<const EmbeddedShader> embeddedShaders() { return kShaders; }\n}  // namespace voxcone::gl\n")
+file(WRITE ${OUTPUT} "${text}")

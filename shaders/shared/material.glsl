@@ -1,0 +1,113 @@
+// glTF metallic-roughness material of the batch that is drawn (gl::GpuScene): its constants and textures, sampled.
+// GpuScene::draw binds the textures and sets u_material and u_materialTextures. For fragment shaders.
+#include "shared/bindings.glsl"
+
+struct Material {
+    vec4 baseColor;              // linear, alpha last
+    vec4 emission;               // rgb radiance W/(m² sr); w: 1 for unlit
+    vec4 metallicRoughness;      // metallic, roughness, normal scale, alpha cutoff
+    vec4 specular;               // rgb: F0 of the dielectric at full specular factor; w: specular factor (F90)
+    vec4 uvTransform[8];         // two per slot (base colour, metallic-roughness, normal, emission): rows (a, b, offset, -)
+    ivec4 texCoord;              // UV set of each slot
+    ivec4 flags;                 // x: alpha mode (0 opaque, 1 mask, 2 blend), y: double sided, z: unlit, w: textures as bits
+};
+layout(std430, binding = MATERIAL_STORAGE) readonly buffer Materials { Material b_materials[]; };
+
+layout(binding = BASE_COLOR_UNIT) uniform sampler2D u_baseColorTexture;                  // decoded from sRGB
+layout(binding = METALLIC_ROUGHNESS_UNIT) uniform sampler2D u_metallicRoughnessTexture;  // G roughness, B metallic
+layout(binding = NORMAL_UNIT) uniform sampler2D u_normalTexture;
+layout(binding = EMISSION_UNIT) uniform sampler2D u_emissionTexture;                     // decoded from sRGB
+
+uniform int u_material;  // index in b_materials
+uniform bool u_closed;   // the batch's triangles bound a watertight body
+
+#define ALPHA_OPAQUE 0
+#define ALPHA_MASK 1
+#define ALPHA_BLEND 2
+
+struct MaterialSample {
+    vec3 baseColor;       // linear, for unlit materials zero (they reflect nothing)
+    float alpha;          // opacity; 1 for opaque materials
+    float metallic;
+    float roughness;      // perceptual, [0,1]
+    vec3 emission;        // radiance; for unlit materials their colour
+    vec3 normalTS;        // tangent space, unit; (0,0,1) without a normal map
+    vec3 f0Dielectric;    // KHR_materials_ior and _specular: reflectance of the dielectric at normal incidence
+    float specularFactor; // F90 of the dielectric
+};
+
+bool materialHas(int slot) { return (b_materials[u_material].flags.w & (1 << slot)) != 0; }
+bool materialDoubleSided() { return b_materials[u_material].flags.y != 0; }
+int materialAlphaMode() { return b_materials[u_material].flags.x; }
+float materialAlphaCutoff() { return b_materials[u_material].metallicRoughness.w; }
+
+vec2 materialUv(int slot, vec2 uv0, vec2 uv1) {
+    vec3 uv = vec3(b_materials[u_material].texCoord[slot] == 0 ? uv0 : uv1, 1.0);
+    return vec2(dot(b_materials[u_material].uvTransform[2 * slot].xyz, uv),
+                dot(b_materials[u_material].uvTransform[2 * slot + 1].xyz, uv));
+}
+
+// The material from its texels; texels of absent textures are not looked at.
+MaterialSample materialFromTexels(vec4 baseColor, vec4 metallicRoughness, vec4 normal, vec4 emission, vec4 vertexColor) {
+    Material m = b_materials[u_material];
+    MaterialSample s;
+    vec4 color = m.baseColor * vertexColor;
+    if (materialHas(BASE_COLOR_UNIT)) color *= baseColor;
+    s.alpha = m.flags.x == ALPHA_OPAQUE ? 1.0 : clamp(color.a, 0.0, 1.0);
+    s.metallic = m.metallicRoughness.x;
+    s.roughness = m.metallicRoughness.y;
+    if (materialHas(METALLIC_ROUGHNESS_UNIT)) {
+        s.metallic *= metallicRoughness.b;
+        s.roughness *= metallicRoughness.g;
+    }
+    s.normalTS = vec3(0.0, 0.0, 1.0);
+    if (materialHas(NORMAL_UNIT)) {
+        vec3 n = (normal.xyz * 2.0 - 1.0) * vec3(m.metallicRoughness.zz, 1.0);
+        s.normalTS = dot(n, n) > 0.0 ? normalize(n) : vec3(0.0, 0.0, 1.0);
+    }
+    s.emission = m.emission.rgb;
+    if (materialHas(EMISSION_UNIT)) s.emission *= emission.rgb;
+    bool unlit = m.flags.z != 0;
+    if (unlit) s.emission = color.rgb;
+    s.baseColor = unlit ? vec3(0.0) : color.rgb;
+    s.f0Dielectric = unlit ? vec3(0.0) : m.specular.rgb;
+    s.specularFactor = unlit ? 0.0 : m.specular.w;
+    return s;
+}
+
+// With the derivatives of the draw: call in uniform control flow.
+MaterialSample sampleMaterial(vec2 uv0, vec2 uv1, vec4 vertexColor) {
+    vec4 baseColor = vec4(1.0), metallicRoughness = vec4(1.0), normal = vec4(0.5, 0.5, 1.0, 1.0), emission = vec4(1.0);
+    if (materialHas(BASE_COLOR_UNIT)) {
+        baseColor = texture(u_baseColorTexture, materialUv(BASE_COLOR_UNIT, uv0, uv1));
+    }
+    if (materialHas(METALLIC_ROUGHNESS_UNIT)) {
+        metallicRoughness = texture(u_metallicRoughnessTexture, materialUv(METALLIC_ROUGHNESS_UNIT, uv0, uv1));
+    }
+    if (materialHas(NORMAL_UNIT)) normal = texture(u_normalTexture, materialUv(NORMAL_UNIT, uv0, uv1));
+    if (materialHas(EMISSION_UNIT)) emission = texture(u_emissionTexture, materialUv(EMISSION_UNIT, uv0, uv1));
+    return materialFromTexels(baseColor, metallicRoughness, normal, emission, vertexColor);
+}
+
+// With the uv area that one sample stands for: uvPerSample0 and uvPerSample1 are the lengths, in units of UV sets 0 and 1,
+// that a voxel (or any footprint) covers on the surface; the mip whose texels are that large is taken. For voxelization,
+// where the derivatives of the draw mean nothing.
+MaterialSample sampleMaterialFootprint(vec2 uv0, vec2 uv1, vec4 vertexColor, float uvPerSample0, float uvPerSample1) {
+    vec4 texels[4] = vec4[4](vec4(1.0), vec4(1.0), vec4(0.5, 0.5, 1.0, 1.0), vec4(1.0));
+#define SAMPLE_FOOTPRINT(slot, tex)                                                                          \
+    if (materialHas(slot)) {                                                                                 \
+        float perSample = b_materials[u_material].texCoord[slot] == 0 ? uvPerSample0 : uvPerSample1;         \
+        vec3 row0 = b_materials[u_material].uvTransform[2 * slot].xyz;                                       \
+        vec3 row1 = b_materials[u_material].uvTransform[2 * slot + 1].xyz;                                   \
+        float scale = sqrt(abs(row0.x * row1.y - row0.y * row1.x));                                          \
+        vec2 size = vec2(textureSize(tex, 0));                                                               \
+        float lod = log2(max(perSample * scale * sqrt(size.x * size.y), 1.0));                               \
+        texels[slot] = textureLod(tex, materialUv(slot, uv0, uv1), lod);                                     \
+    }
+    SAMPLE_FOOTPRINT(BASE_COLOR_UNIT, u_baseColorTexture)
+    SAMPLE_FOOTPRINT(METALLIC_ROUGHNESS_UNIT, u_metallicRoughnessTexture)
+    SAMPLE_FOOTPRINT(NORMAL_UNIT, u_normalTexture)
+    SAMPLE_FOOTPRINT(EMISSION_UNIT, u_emissionTexture)
+#undef SAMPLE_FOOTPRINT
+    return materialFromTexels(texels[0], texels[1], texels[2], texels[3], vertexColor);
+}

@@ -1,0 +1,32 @@
+// Binding points that scene data always has. Twin of shaders/shared/bindings.glsl.
+#pragma once
+
+namespace voxcone::gl {
+
+/// Texture units 0–3 are the material's; passes use kPassTextureUnit and up.
+enum MaterialUnit : int {
+    kBaseColorUnit = 0,
+    kMetallicRoughnessUnit = 1,
+    kNormalUnit = 2,
+    kEmissionUnit = 3,
+};
+constexpr int kEnvironmentUnit = 4;
+constexpr int kPassTextureUnit = 5;
+
+/// Shader storage blocks 0 and 1 are the scene's; passes use kPassStorage and up.
+constexpr int kObjectStorage = 0;
+constexpr int kMaterialStorage = 1;
+constexpr int kPassStorage = 2;
+
+/// Vertex attributes of GpuScene.
+enum VertexLocation : int {
+    kPositionLocation = 0,  ///< vec3, object space
+    kNormalLocation = 1,    ///< vec3, object space
+    kTangentLocation = 2,   ///< vec4, w handedness; 0 without tangents
+    kTexCoord0Location = 3,
+    kTexCoord1Location = 4,
+    kColorLocation = 5,        ///< vec4, linear
+    kObjectIndexLocation = 6,  ///< uint, per instance
+};
+
+}  // namespace voxcone::gl

@@ -1,0 +1,387 @@
+#include "gl/gpu_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <tuple>
+
+#include "core/check.h"
+#include "core/error.h"
+#include "gl/bindings.h"
+
+namespace voxcone::gl {
+namespace {
+
+struct Vertex {
+    glm::vec3 position, normal;
+    glm::vec4 tangent;
+    glm::vec2 texCoord0, texCoord1;
+    glm::vec4 color;
+};
+static_assert(sizeof(Vertex) == 18 * sizeof(float));
+
+/// Twin of Object in shaders/shared/objects.glsl.
+struct GpuObject {
+    glm::mat4 worldFromObject, normalFromObject;
+    glm::vec4 mirror;
+};
+
+/// Twin of Material in shaders/shared/material.glsl.
+struct GpuMaterial {
+    glm::vec4 baseColor, emission, metallicRoughness, specular;
+    std::array<glm::vec4, 8> uvTransform;
+    glm::ivec4 texCoord, flags;
+};
+
+GLenum glWrap(Wrap wrap) {
+    switch (wrap) {
+        case Wrap::repeat:
+            return GL_REPEAT;
+        case Wrap::mirrored_repeat:
+            return GL_MIRRORED_REPEAT;
+        case Wrap::clamp_to_edge:
+            return GL_CLAMP_TO_EDGE;
+    }
+    return GL_REPEAT;
+}
+
+/// Slots in the order of their texture units, with whether their colour is sRGB.
+struct Slot {
+    const TextureSlot* slot;
+    int unit;
+    bool srgb;
+};
+std::array<Slot, 4> slots(const Material& material) {
+    return {{{&material.baseColorTexture, kBaseColorUnit, true},
+             {&material.metallicRoughnessTexture, kMetallicRoughnessUnit, false},
+             {&material.normalTexture, kNormalUnit, false},
+             {&material.emissionTexture, kEmissionUnit, true}}};
+}
+
+Bounds transformed(const Bounds& box, const glm::dmat4& matrix) {
+    Bounds result;
+    if (box.empty()) return result;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 p((corner & 1) ? box.max.x : box.min.x, (corner & 2) ? box.max.y : box.min.y,
+                           (corner & 4) ? box.max.z : box.min.z);
+        result.add(glm::dvec3(matrix * glm::dvec4(p, 1)));
+    }
+    return result;
+}
+
+void requireStorage(std::size_t bytes, const char* what) {
+    GLint64 limit = 0;
+    glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
+    if (bytes > static_cast<std::size_t>(limit)) {
+        throw DeviceError(
+            fmt::format("the scene's {} need a storage block of {} bytes; the device allows "
+                        "GL_MAX_SHADER_STORAGE_BLOCK_SIZE = {}",
+                        what, bytes, limit));
+    }
+}
+
+}  // namespace
+
+GpuScene::GpuScene(const Scene& scene, double time) : scene_(scene), time_(time) {
+    uploadGeometry();
+    uploadMaterials();
+    uploadTextures();
+    setTime(time);
+}
+
+void GpuScene::uploadGeometry() {
+    std::size_t vertexCount = 0, indexCount = 0;
+    std::vector<char> used(scene_.meshes.size(), 0);
+    for (const Instance& instance : scene_.instances) used[static_cast<std::size_t>(instance.mesh)] = 1;
+    for (std::size_t i = 0; i < scene_.meshes.size(); ++i) {
+        if (!used[i]) continue;
+        vertexCount += scene_.meshes[i].positions.size();
+        indexCount += scene_.meshes[i].indices.size();
+    }
+    if (vertexCount > 0x7fffffffu || indexCount > 0x7fffffffu) {
+        throw DeviceError("the scene has more than 2^31 vertices or indices");
+    }
+
+    std::vector<Vertex> vertices;
+    vertices.reserve(vertexCount);
+    indices_.reserve(indexCount);
+    meshBounds_.resize(scene_.meshes.size());
+    meshRanges_.resize(scene_.meshes.size());
+    for (std::size_t m = 0; m < scene_.meshes.size(); ++m) {
+        if (!used[m]) continue;
+        const Mesh& mesh = scene_.meshes[m];
+        MeshRange& range = meshRanges_[m];
+        range.baseVertex = static_cast<std::int32_t>(vertices.size());
+        for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+            const auto uv = [&](std::size_t set) {
+                return mesh.texCoords[set].empty() ? glm::vec2(0) : mesh.texCoords[set][v];
+            };
+            vertices.push_back({mesh.positions[v], mesh.normals.empty() ? glm::vec3(0) : mesh.normals[v],
+                                mesh.tangents.empty() ? glm::vec4(0) : mesh.tangents[v], uv(0), uv(1),
+                                mesh.colors.empty() ? glm::vec4(1) : mesh.colors[v]});
+            meshBounds_[m].add(glm::dvec3(mesh.positions[v]));
+        }
+        // Closed triangles first, then open ones, each in the file's order.
+        for (const bool closed : {true, false}) {
+            const std::size_t begin = indices_.size();
+            for (std::size_t t = 0; t < mesh.indices.size() / 3; ++t) {
+                if ((!mesh.closed.empty() && mesh.closed[t] != 0) != closed) continue;
+                for (std::size_t k = 0; k < 3; ++k) indices_.push_back(mesh.indices[3 * t + k]);
+            }
+            (closed ? range.firstClosed : range.firstOpen) = static_cast<std::uint32_t>(begin);
+            (closed ? range.closedCount : range.openCount) = static_cast<std::uint32_t>(indices_.size() - begin);
+        }
+    }
+    if (vertices.empty() || indices_.empty()) return;
+    vertices_ = Buffer::of(vertices);
+    indexBuffer_ = Buffer::of(indices_);
+
+    std::vector<std::uint32_t> objectIndices(scene_.instances.size());
+    std::iota(objectIndices.begin(), objectIndices.end(), 0u);
+    objectIndices_ = Buffer::of(objectIndices);
+
+    const auto attribute = [&](int location, int components, std::size_t offset) {
+        vertexArray_.attribute(location, vertices_, components, GL_FLOAT, sizeof(Vertex), offset);
+    };
+    attribute(kPositionLocation, 3, offsetof(Vertex, position));
+    attribute(kNormalLocation, 3, offsetof(Vertex, normal));
+    attribute(kTangentLocation, 4, offsetof(Vertex, tangent));
+    attribute(kTexCoord0Location, 2, offsetof(Vertex, texCoord0));
+    attribute(kTexCoord1Location, 2, offsetof(Vertex, texCoord1));
+    attribute(kColorLocation, 4, offsetof(Vertex, color));
+    vertexArray_.integerAttribute(kObjectIndexLocation, objectIndices_, 1, GL_UNSIGNED_INT, sizeof(std::uint32_t), 0,
+                                  1);
+    vertexArray_.indexBuffer(indexBuffer_);
+}
+
+void GpuScene::uploadMaterials() {
+    std::vector<GpuMaterial> materials;
+    for (const Material& material : scene_.materials) {
+        GpuMaterial gpu{};
+        gpu.baseColor = material.baseColor;
+        gpu.emission = glm::vec4(material.emission, material.unlit ? 1.0f : 0.0f);
+        gpu.metallicRoughness =
+            glm::vec4(material.metallic, material.roughness, material.normalScale, material.alphaCutoff);
+        const float root = (material.ior - 1) / (material.ior + 1);
+        gpu.specular = glm::vec4(glm::min(root * root * material.specularColor, glm::vec3(1)) * material.specularFactor,
+                                 material.specularFactor);
+        for (const Slot& slot : slots(material)) {
+            const glm::mat3x2& t = slot.slot->uvTransform;
+            const auto row = static_cast<std::size_t>(2 * slot.unit);
+            gpu.uvTransform[row] = glm::vec4(t[0][0], t[1][0], t[2][0], 0);
+            gpu.uvTransform[row + 1] = glm::vec4(t[0][1], t[1][1], t[2][1], 0);
+            gpu.texCoord[slot.unit] = slot.slot->texCoord;
+            if (slot.slot->texture >= 0) gpu.flags.w |= 1 << slot.unit;
+        }
+        gpu.flags.x = static_cast<int>(material.alphaMode);
+        gpu.flags.y = material.doubleSided ? 1 : 0;
+        gpu.flags.z = material.unlit ? 1 : 0;
+        materials.push_back(gpu);
+    }
+    if (materials.empty()) return;
+    requireStorage(materials.size() * sizeof(GpuMaterial), "materials");
+    materialBuffer_ = Buffer::of(materials);
+}
+
+void GpuScene::uploadTextures() {
+    colorTextures_.resize(scene_.textures.size());
+    dataTextures_.resize(scene_.textures.size());
+    std::vector<char> usedMaterials(scene_.materials.size(), 0);
+    for (const Instance& instance : scene_.instances) {
+        usedMaterials[static_cast<std::size_t>(scene_.meshes[static_cast<std::size_t>(instance.mesh)].material)] = 1;
+    }
+    for (std::size_t m = 0; m < scene_.materials.size(); ++m) {
+        if (!usedMaterials[m]) continue;
+        for (const Slot& slot : slots(scene_.materials[m])) {
+            if (slot.slot->texture < 0) continue;
+            const auto index = static_cast<std::size_t>(slot.slot->texture);
+            Texture& texture = (slot.srgb ? colorTextures_ : dataTextures_)[index];
+            if (texture) continue;
+            const voxcone::Texture& image = scene_.textures[index];
+            texture = Texture::create2D(slot.srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, image.width, image.height,
+                                        fullMipLevels(image.width, image.height));
+            texture.upload(0, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba8.data());
+            texture.generateMipmaps();
+            texture.filter(GL_LINEAR_MIPMAP_LINEAR, image.nearest ? GL_NEAREST : GL_LINEAR);
+            texture.wrap(glWrap(image.wrapS), glWrap(image.wrapT));
+        }
+    }
+}
+
+void GpuScene::setOrigin(const glm::dvec3& origin) {
+    origin_ = origin;
+    uploadObjects();
+}
+
+void GpuScene::setTime(double time) {
+    time_ = time;
+    nodeMatrices_ = scene_.worldMatrices(time);
+    updateBatches();
+    uploadObjects();
+}
+
+const glm::dmat4& GpuScene::instanceMatrix(std::size_t instance) const {
+    return nodeMatrices_[static_cast<std::size_t>(scene_.instances[instance].node)];
+}
+
+void GpuScene::updateBatches() {
+    // Objects are sorted by mesh and mirroring, so that every batch draws consecutive ones.
+    const std::size_t count = indices_.empty() ? 0 : scene_.instances.size();
+    std::vector<char> mirrored(count);
+    for (std::size_t i = 0; i < count; ++i) mirrored[i] = glm::determinant(glm::dmat3(instanceMatrix(i))) < 0;
+    objects_.resize(count);
+    std::iota(objects_.begin(), objects_.end(), std::size_t{0});
+    std::stable_sort(objects_.begin(), objects_.end(), [&](std::size_t a, std::size_t b) {
+        return std::tuple(scene_.instances[a].mesh, mirrored[a]) < std::tuple(scene_.instances[b].mesh, mirrored[b]);
+    });
+
+    objectBounds_.clear();
+    for (const std::size_t instance : objects_) {
+        const auto mesh = static_cast<std::size_t>(scene_.instances[instance].mesh);
+        objectBounds_.push_back(transformed(meshBounds_[mesh], instanceMatrix(instance)));
+    }
+
+    batches_.clear();
+    for (std::size_t first = 0; first < count;) {
+        const int mesh = scene_.instances[objects_[first]].mesh;
+        std::size_t last = first + 1;
+        while (last < count && scene_.instances[objects_[last]].mesh == mesh &&
+               mirrored[objects_[last]] == mirrored[objects_[first]]) {
+            ++last;
+        }
+        const MeshRange& range = meshRanges_[static_cast<std::size_t>(mesh)];
+        for (const bool closed : {true, false}) {
+            Batch batch;
+            batch.mesh = mesh;
+            batch.material = scene_.meshes[static_cast<std::size_t>(mesh)].material;
+            const Material& material = scene_.materials[static_cast<std::size_t>(batch.material)];
+            batch.closed = closed;
+            batch.mirrored = mirrored[objects_[first]] != 0;
+            batch.alphaMode = material.alphaMode;
+            batch.emits = material.unlit || material.emits();
+            batch.firstIndex = closed ? range.firstClosed : range.firstOpen;
+            batch.indexCount = closed ? range.closedCount : range.openCount;
+            batch.baseVertex = range.baseVertex;
+            batch.firstObject = static_cast<std::uint32_t>(first);
+            batch.objectCount = static_cast<std::uint32_t>(last - first);
+            if (batch.indexCount > 0) batches_.push_back(batch);
+        }
+        first = last;
+    }
+    std::stable_sort(batches_.begin(), batches_.end(), [](const Batch& a, const Batch& b) {
+        return std::tuple(a.material, a.closed, a.mesh) < std::tuple(b.material, b.closed, b.mesh);
+    });
+    if (reversed_) std::reverse(batches_.begin(), batches_.end());
+}
+
+void GpuScene::uploadObjects() {
+    if (objects_.empty()) return;
+    std::vector<GpuObject> data;
+    for (const std::size_t instance : objects_) {
+        glm::dmat4 world = instanceMatrix(instance);
+        world[3] -= glm::dvec4(origin_, 0);
+        const double determinant = glm::determinant(glm::dmat3(world));
+        // A singular transform flattens its object: its normals come out zero, which shaders take for degenerate.
+        glm::dmat3 normal = determinant != 0 ? glm::transpose(glm::inverse(glm::dmat3(world))) : glm::dmat3(0);
+        double largest = 0;
+        for (int c = 0; c < 3; ++c) {
+            for (int r = 0; r < 3; ++r) largest = std::max(largest, std::abs(normal[c][r]));
+        }
+        if (largest > 0) normal /= largest;  // keeps floats in range for any scale of the scene
+        data.push_back(
+            {glm::mat4(world), glm::mat4(glm::mat3(normal)), glm::vec4(determinant < 0 ? -1.0f : 1.0f, 0, 0, 0)});
+    }
+    const std::size_t bytes = data.size() * sizeof(GpuObject);
+    requireStorage(bytes, "objects");
+    if (objectBuffer_.bytes() == bytes) {
+        objectBuffer_.upload(data.data(), bytes);
+    } else {
+        objectBuffer_ = Buffer::of(data, GL_DYNAMIC_DRAW);
+    }
+}
+
+Bounds GpuScene::bounds() const {
+    Bounds all;
+    for (const Bounds& box : objectBounds_) {
+        if (box.empty()) continue;
+        all.add(box.min);
+        all.add(box.max);
+    }
+    return all;
+}
+
+std::uint64_t GpuScene::triangleCount() const {
+    std::uint64_t count = 0;
+    for (const Batch& batch : batches_) count += std::uint64_t{batch.indexCount / 3} * batch.objectCount;
+    return count;
+}
+
+bool GpuScene::anyEmission() const {
+    return std::any_of(batches_.begin(), batches_.end(), [](const Batch& batch) { return batch.emits; });
+}
+
+bool GpuScene::anyAlphaTest() const {
+    return std::any_of(batches_.begin(), batches_.end(),
+                       [](const Batch& batch) { return batch.alphaMode != AlphaMode::opaque; });
+}
+
+void GpuScene::bindStorage() const {
+    vertexArray_.bind();
+    if (objectBuffer_) objectBuffer_.bindBase(GL_SHADER_STORAGE_BUFFER, kObjectStorage);
+    if (materialBuffer_) materialBuffer_.bindBase(GL_SHADER_STORAGE_BUFFER, kMaterialStorage);
+}
+
+void GpuScene::draw(Program& program, const BatchFilter& filter) const {
+    program.use();
+    bindStorage();
+    int boundMaterial = -1;
+    for (const Batch& batch : batches_) {
+        if (filter && !filter(batch)) continue;
+        if (batch.material != boundMaterial) {
+            boundMaterial = batch.material;
+            program.set("u_material", batch.material);
+            for (const Slot& slot : slots(scene_.materials[static_cast<std::size_t>(batch.material)])) {
+                if (slot.slot->texture < 0) continue;
+                (slot.srgb ? colorTextures_ : dataTextures_)[static_cast<std::size_t>(slot.slot->texture)].bindTo(
+                    slot.unit);
+            }
+        }
+        program.set("u_closed", batch.closed);
+        glFrontFace(batch.mirrored ? GL_CW : GL_CCW);
+        glDrawElementsInstancedBaseVertexBaseInstance(
+            GL_TRIANGLES, static_cast<GLsizei>(batch.indexCount), GL_UNSIGNED_INT,
+            reinterpret_cast<const void*>(std::size_t{batch.firstIndex} * sizeof(std::uint32_t)),
+            static_cast<GLsizei>(batch.objectCount), batch.baseVertex, batch.firstObject);
+    }
+    glFrontFace(GL_CCW);
+}
+
+void GpuScene::reverseDrawOrder() {
+    if (indices_.empty()) return;
+    for (const MeshRange& range : meshRanges_) {
+        const auto reverseTriangles = [&](std::uint32_t first, std::uint32_t count) {
+            for (std::uint32_t a = first, b = first + count; a + 3 < b; a += 3, b -= 3) {
+                std::swap_ranges(indices_.begin() + a, indices_.begin() + a + 3, indices_.begin() + (b - 3));
+            }
+        };
+        reverseTriangles(range.firstClosed, range.closedCount);
+        reverseTriangles(range.firstOpen, range.openCount);
+    }
+    indexBuffer_.upload(indices_.data(), indices_.size() * sizeof(std::uint32_t));
+    reversed_ = !reversed_;
+    std::reverse(batches_.begin(), batches_.end());
+}
+
+std::uint64_t GpuScene::bufferBytes() const {
+    return vertices_.bytes() + indexBuffer_.bytes() + objectIndices_.bytes() + objectBuffer_.bytes() +
+           materialBuffer_.bytes();
+}
+
+std::uint64_t GpuScene::textureBytes() const {
+    std::uint64_t bytes = 0;
+    for (const Texture& texture : colorTextures_) bytes += texture.bytes();
+    for (const Texture& texture : dataTextures_) bytes += texture.bytes();
+    return bytes;
+}
+
+}  // namespace voxcone::gl

@@ -1,0 +1,103 @@
+// The scene on the device: vertices, objects, materials and textures, and batches to draw them.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "gl/buffer.h"
+#include "gl/framebuffer.h"
+#include "gl/program.h"
+#include "gl/texture.h"
+#include "scene/scene.h"
+
+namespace voxcone::gl {
+
+/// Triangles of one mesh that share material, closedness and the mirroring of their instances.
+struct Batch {
+    int mesh = 0;
+    int material = 0;
+    bool closed = false;    ///< all triangles belong to watertight, outward-oriented bodies (Mesh::closed)
+    bool mirrored = false;  ///< the instances' transforms mirror: front faces wind clockwise in the window
+    AlphaMode alphaMode = AlphaMode::opaque;
+    bool emits = false;                            ///< the material emits (emission or unlit)
+    std::uint32_t firstIndex = 0, indexCount = 0;  ///< in the index buffer
+    std::int32_t baseVertex = 0;
+    std::uint32_t firstObject = 0, objectCount = 0;  ///< instances: consecutive objects
+};
+
+/// Which batches a draw takes; empty = all.
+using BatchFilter = std::function<bool(const Batch&)>;
+
+/// Uploads what drawing needs: one vertex array (gl/bindings.h, shaders/shared/objects.glsl), object and material
+/// storage blocks, and the textures that materials use, with full mip chains (colour as sRGB). Scenes without textures
+/// have none. Positions that shaders see are world positions minus `origin()`.
+class GpuScene {
+  public:
+    /// `scene` must outlive this object. Throws DeviceError when a limit is too small.
+    explicit GpuScene(const Scene& scene, double time = 0);
+
+    /// Recomputes the objects' transforms, T(−origin) · world in double, then rounds to float.
+    void setOrigin(const glm::dvec3& origin);
+    void setTime(double time);
+
+    const Scene& scene() const { return scene_; }
+    const glm::dvec3& origin() const { return origin_; }
+    double time() const { return time_; }
+    const std::vector<glm::dmat4>& worldMatrices() const { return nodeMatrices_; }
+
+    const std::vector<Batch>& batches() const { return batches_; }
+    std::size_t objectCount() const { return objects_.size(); }
+    const Instance& objectInstance(std::size_t object) const { return scene_.instances[objects_[object]]; }
+    /// World-space box of an object at the current time (from the corners of its object-space box).
+    const Bounds& objectBounds(std::size_t object) const { return objectBounds_[object]; }
+    Bounds bounds() const;  ///< of all objects
+    bool empty() const { return batches_.empty(); }
+    std::uint64_t triangleCount() const;  ///< over all instances
+    bool anyEmission() const;
+    bool anyAlphaTest() const;  ///< a batch with AlphaMode mask or blend
+
+    /// Draws the batches that `filter` takes with `program` in use, in an order fixed by the scene: binds the
+    /// material's textures, sets u_material and u_closed (shared/material.glsl) and the winding of front faces.
+    void draw(Program& program, const BatchFilter& filter = {}) const;
+
+    /// Binds the object and material blocks and the vertex array; `draw` does so itself.
+    void bindStorage() const;
+
+    /// Reverses the order of batches and of triangles inside them: for tests of order independence.
+    void reverseDrawOrder();
+
+    std::uint64_t bufferBytes() const;
+    std::uint64_t textureBytes() const;
+
+  private:
+    void uploadGeometry();
+    void uploadMaterials();
+    void uploadTextures();
+    void updateBatches();
+    void uploadObjects();
+    const glm::dmat4& instanceMatrix(std::size_t instance) const;
+
+    /// Where a mesh lies in the vertex and index buffers.
+    struct MeshRange {
+        std::int32_t baseVertex = 0;
+        std::uint32_t firstClosed = 0, closedCount = 0, firstOpen = 0, openCount = 0;
+    };
+
+    const Scene& scene_;
+    glm::dvec3 origin_{0};
+    double time_ = 0;
+    bool reversed_ = false;
+    std::vector<glm::dmat4> nodeMatrices_;
+    std::vector<Batch> batches_;
+    std::vector<std::size_t> objects_;  ///< object → index in Scene::instances
+    std::vector<Bounds> objectBounds_, meshBounds_;
+    std::vector<MeshRange> meshRanges_;  ///< by index in Scene::meshes
+    std::vector<std::uint32_t> indices_;
+    Buffer vertices_, indexBuffer_, objectIndices_, objectBuffer_, materialBuffer_;
+    VertexArray vertexArray_;
+    std::vector<Texture> colorTextures_, dataTextures_;  ///< by index in Scene::textures; empty where unused
+};
+
+}  // namespace voxcone::gl

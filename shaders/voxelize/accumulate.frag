@@ -3,24 +3,19 @@
 VOXELIZE_VARYINGS(in)
 #include "shared/material.glsl"
 #include "shared/brdf.glsl"
+#include "voxelize/buffers.glsl"
 #include "voxelize/clip.glsl"
 #include "voxelize/records.glsl"
 
 uniform int u_resolution;
 uniform uint u_firstRecord, u_recordCount;  // records of this pass; more do not fit in a buffer at once
-uniform bool u_closed;                      // triangles of watertight bodies: their backs are never seen
 #if EMISSION
 uniform float u_emissionUnit;  // fixed-point steps for a radiance of 1
 #endif
 layout(r32ui) uniform readonly uimage3D u_index;
 
-layout(std430, binding = BINDING_RECORDS) coherent buffer Records { uint b_records[]; };
-layout(std430, binding = BINDING_COUNTERS) coherent buffer Counters {
-    uint b_occupied;
-    uint b_saturated;
-    uint b_fragments;
-    uint b_clamped;
-};
+layout(std430, binding = RECORD_STORAGE) coherent buffer Records { uint b_records[]; };
+layout(std430, binding = COUNTER_STORAGE) coherent buffer Counters { VOXEL_COUNTERS };
 
 // Rounding by a dither that only depends on the triangle and the voxel: unbiased for weights below the fixed-point step,
 // and the same whatever the draw order.
@@ -36,6 +31,11 @@ float nextDither() {
     return float(g_dither >> 8) * (1.0 / 16777216.0);
 }
 uint dithered(float value) { return uint(value + nextDither()); }
+
+Surface surfaceOf(MaterialSample s) {
+    return Surface(s.baseColor * (1.0 - s.metallic), mix(s.f0Dielectric, s.baseColor, s.metallic),
+                   mix(s.specularFactor, 1.0, s.metallic), clamp(s.roughness * s.roughness, kMinAlpha, 1.0));
+}
 
 struct Surfel {
     vec3 albedo, normal, position, emission;
@@ -106,10 +106,11 @@ void main() {
     // Barycentric coordinates from the projection along the dominant axis.
     vec2 e1 = f_p1.xy - f_p0.xy, e2 = f_p2.xy - f_p0.xy;
     float determinant = e1.x * e2.y - e1.y * e2.x;
-    vec3 frontNormal = f_mirrored * unpermute(normalize(cross(f_p1 - f_p0, f_p2 - f_p0)), f_axis);
-    // Texture coordinates a voxel apart along x and y of the projection.
+    vec3 frontNormal = f_mirror * unpermute(normalize(cross(f_p1 - f_p0, f_p2 - f_p0)), f_axis);
+    // Texture space that a voxel covers on the triangle.
     vec4 uvE1 = f_uv1 - f_uv0, uvE2 = f_uv2 - f_uv0;
-    vec4 uvDx = (uvE1 * e2.y - uvE2 * e1.y) / determinant, uvDy = (uvE2 * e1.x - uvE1 * e2.x) / determinant;
+    vec2 uvArea = abs(uvE1.xz * uvE2.yw - uvE1.yw * uvE2.xz);
+    vec2 uvPerVoxel = sqrt(uvArea / length(cross(f_p1 - f_p0, f_p2 - f_p0)));
 
     ivec2 depths = depthRange(vec2(cell), u_resolution);
     for (int z = depths.x; z <= depths.y; ++z) {
@@ -137,17 +138,19 @@ void main() {
         normal = length2 > 0.0 ? normal * inversesqrt(length2) : frontNormal;
         if (dot(normal, frontNormal) <= 0.0) normal = frontNormal;
 
-        MaterialSample material = sampleMaterialGrad(uv.xy, uv.zw, color, uvDx, uvDy);
-        float opacity = material.alphaMode == ALPHA_OPAQUE ? 1.0 : clamp(material.alpha, 0.0, 1.0);
-        Surfel surfel = Surfel(voxelAlbedo(material), normal, unpermute(centroid - vec3(cell, z), f_axis), material.emission);
+        // The filtered alpha of a masked or blended material is the share of the voxel that it covers.
+        MaterialSample material = sampleMaterialFootprint(uv.xy, uv.zw, color, uvPerVoxel.x, uvPerVoxel.y);
+        float opacity = material.alpha;
+        Surfel surfel = Surfel(voxelAlbedo(surfaceOf(material)), normal, unpermute(centroid - vec3(cell, z), f_axis),
+                               material.emission);
 
         atomicAdd(b_fragments, 1u);
         g_dither = hash(hash(f_p0) ^ hash(hash(f_p1) ^ hash(hash(f_p2) ^ packVoxel(voxel))));
         for (int side = 0; side < 2; ++side) {
             if (side == 1) {
-                if (u_closed) break;
+                if (u_closed) break;  // nothing ever sees the back of a watertight body
                 surfel.normal = -surfel.normal;
-                if (!material.doubleSided) surfel.emission = vec3(0.0);
+                if (!materialDoubleSided()) surfel.emission = vec3(0.0);
             }
             float sign_ = side == 0 ? 1.0 : -1.0;
             for (int a = 0; a < 3; ++a) {

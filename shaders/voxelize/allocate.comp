@@ -1,18 +1,13 @@
 // Numbers the touched voxels: the index volume then holds 1 + the voxel's record, and 0 where nothing is.
-#include "shared/bindings.glsl"
+#include "voxelize/buffers.glsl"
 #include "voxelize/records.glsl"
 layout(local_size_x = 8, local_size_y = 8, local_size_z = 1) in;
 
 uniform int u_resolution;
 layout(r32ui) uniform uimage3D u_index;
-layout(std430, binding = BINDING_COUNTERS) coherent buffer Counters {
-    uint b_occupied;
-    uint b_saturated;
-    uint b_fragments;
-    uint b_clamped;
-};
+layout(std430, binding = COUNTER_STORAGE) coherent buffer Counters { VOXEL_COUNTERS };
 #if WRITE_VOXELS
-layout(std430, binding = BINDING_VOXELS) writeonly buffer Voxels { uint b_voxels[]; };
+layout(std430, binding = VOXEL_STORAGE) writeonly buffer Voxels { uint b_voxels[]; };
 #endif
 
 void main() {

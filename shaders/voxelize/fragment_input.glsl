@@ -6,4 +6,4 @@
     flat QUALIFIER vec3 f_n0, f_n1, f_n2;             \
     flat QUALIFIER vec4 f_uv0, f_uv1, f_uv2;          \
     flat QUALIFIER vec4 f_color0, f_color1, f_color2; \
-    flat QUALIFIER float f_mirrored;
+    flat QUALIFIER float f_mirror;

@@ -2,7 +2,7 @@
 //
 // A coverage is the projected area of the surfaces in the voxel that look along an axis, over the area of a voxel face,
 // clamped to 1. It is an optical density per voxel edge, and mips keep it per edge of the finest voxel.
-#include "shared/bindings.glsl"
+#include "voxelize/buffers.glsl"
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
 #include "voxelize/records.glsl"
@@ -12,10 +12,10 @@ uniform uint u_firstRecord, u_recordCount;
 #if EMISSION
 uniform float u_emissionUnit;
 #endif
-layout(std430, binding = BINDING_RECORDS) readonly buffer Records { uint b_records[]; };
-layout(std430, binding = BINDING_VOXELS) readonly buffer Voxels { uint b_voxels[]; };
-layout(std430, binding = BINDING_FACES) writeonly buffer Faces { FaceRecord b_faces[]; };
-layout(std430, binding = BINDING_COVERAGE) writeonly buffer Coverage { float b_coverage[]; };
+layout(std430, binding = RECORD_STORAGE) readonly buffer Records { uint b_records[]; };
+layout(std430, binding = VOXEL_STORAGE) readonly buffer Voxels { uint b_voxels[]; };
+layout(std430, binding = FACE_STORAGE) writeonly buffer Faces { FaceRecord b_faces[]; };
+layout(std430, binding = COVERAGE_STORAGE) writeonly buffer Coverage { float b_coverage[]; };
 #if SIX_FACE
 layout(rgba16) uniform writeonly image3D u_coveragePositive;
 layout(rgba16) uniform writeonly image3D u_coverageNegative;

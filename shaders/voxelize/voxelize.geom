@@ -10,7 +10,7 @@ in Vertex {
     vec3 normal;
     vec4 uv;
     vec4 color;
-    flat float mirrored;
+    flat float mirror;
 } v[];
 
 #include "voxelize/fragment_input.glsl"
@@ -61,7 +61,7 @@ void main() {
     f_n0 = v[0].normal, f_n1 = v[1].normal, f_n2 = v[2].normal;
     f_uv0 = v[0].uv, f_uv1 = v[1].uv, f_uv2 = v[2].uv;
     f_color0 = v[0].color, f_color1 = v[1].color, f_color2 = v[2].color;
-    f_mirrored = v[0].mirrored;
+    f_mirror = v[0].mirror;
 
 #if !CONSERVATIVE
     emitAt(p0.xy), emitAt(p1.xy), emitAt(p2.xy);

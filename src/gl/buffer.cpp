@@ -38,6 +38,13 @@ void Buffer::upload(const void* data, std::size_t bytes, std::size_t offset) {
     glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes), data);
 }
 
+void Buffer::copyFrom(const Buffer& source) {
+    VOXCONE_CHECK(source.bytes_ == bytes_, "copy of {} bytes to {}", source.bytes_, bytes_);
+    glBindBuffer(GL_COPY_READ_BUFFER, source.id());
+    glBindBuffer(GL_COPY_WRITE_BUFFER, id());
+    glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(bytes_));
+}
+
 void Buffer::clear(std::uint32_t word) {
     glBindBuffer(GL_COPY_WRITE_BUFFER, handle_.id());
     glClearBufferData(GL_COPY_WRITE_BUFFER, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &word);

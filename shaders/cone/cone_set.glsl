@@ -1,0 +1,27 @@
+// Directions of a diffuse cone set around +z. C++ twin: src/cone/cone_set.h. Needs CONES and SPIRAL.
+#if !SPIRAL
+uniform vec4 u_cones[CONES];  // direction, weight
+#endif
+uniform float u_coneTanHalfAngle;
+
+/// Direction and weight of cone `i`, turned by `turn` (0 to 1 of a revolution); a spiral is also shifted by `shift`
+/// (-1/2 to 1/2 of a stratum) in cos²θ, so that pixels that turn and shift differently integrate together.
+vec4 coneOfSet(int i, float turn, float shift) {
+    const float kTwoPi = 6.28318530717958648;
+#if SPIRAL
+    float u = (float(i) + 0.5 + shift) / float(CONES);
+    float azimuth = 2.39996322972865332 * float(i) + kTwoPi * turn;
+    return vec4(sqrt(u) * cos(azimuth), sqrt(u) * sin(azimuth), sqrt(1.0 - u), 1.0 / float(CONES));
+#else
+    float c = cos(kTwoPi * turn), s = sin(kTwoPi * turn);
+    vec4 cone = u_cones[i];
+    return vec4(c * cone.x - s * cone.y, s * cone.x + c * cone.y, cone.zw);
+#endif
+}
+
+/// Right-handed frame around unit `n` (columns tangent, bitangent, n), Duff et al. 2017.
+mat3 frameAround(vec3 n) {
+    float s = n.z >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (s + n.z), b = n.x * n.y * a;
+    return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3(b, s + n.y * n.y * a, -n.y), n);
+}

@@ -1,0 +1,37 @@
+// One bounce: every voxel face gathers the radiance volume by cones, and adds what it reflects to its direct light.
+#include "voxelize/buffers.glsl"
+#include "voxelize/records.glsl"
+#include "shared/octahedral.glsl"
+#include "cone/sky.glsl"
+#include "cone/trace.glsl"
+#include "cone/cone_set.glsl"
+layout(local_size_x = 64) in;
+
+uniform uint u_faceCount;
+layout(std430, binding = DIRECT_STORAGE) readonly buffer Direct { vec4 b_direct[]; };
+layout(std430, binding = VOXEL_STORAGE) readonly buffer Voxels { uint b_voxels[]; };
+layout(std430, binding = FACE_STORAGE) readonly buffer Faces { FaceRecord b_faces[]; };
+layout(std430, binding = RADIANCE_STORAGE) buffer Radiance { vec4 b_radiance[]; };
+
+void main() {
+    uint index = gl_WorkGroupID.y * gl_NumWorkGroups.x * 64u + gl_WorkGroupID.x * 64u + gl_LocalInvocationID.x;
+    if (index >= u_faceCount) return;
+    FaceRecord face = b_faces[index];
+    if (!faceHoldsSurface(face)) return;
+    ivec3 voxel = unpackVoxel(b_voxels[index / 6u]);
+    Cone cone;
+    cone.origin = vec3(voxel) + unpackPosition(face.position);
+    cone.normal = unpackOctahedral(face.normal);
+    cone.tanHalfAngle = u_coneTanHalfAngle;
+    mat3 frame = frameAround(cone.normal);
+    // Neighbouring voxels turn their sets differently, so that what one set misses the next one sees.
+    uint turn = (uint(voxel.x) * 5u + uint(voxel.y) * 11u + uint(voxel.z) * 7u) & 15u;
+    vec3 gathered = vec3(0.0);
+    for (int i = 0; i < CONES; ++i) {
+        vec4 local = coneOfSet(i, float(turn) / 16.0, (float(bitfieldReverse(turn) >> 28) + 0.5) / 16.0 - 0.5);
+        cone.direction = frame * local.xyz;
+        ConeResult result = traceCone(cone);
+        gathered += local.w * (result.radiance + result.transmittance * skyRadiance(cone.direction, cone.tanHalfAngle));
+    }
+    b_radiance[index].rgb = b_direct[index].rgb + unpackAlbedo(face.albedo) * gathered;
+}

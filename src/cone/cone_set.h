@@ -1,0 +1,26 @@
+// Sets of cones that integrate a hemisphere with cosine weight. Pure; the GLSL twin is shaders/cone/cone_set.glsl.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+namespace voxcone {
+
+/// Directions around +z, unit; weights are (1/π)∫cosθ dω over each cone's share and add up to 1; all cones of a set have
+/// the same aperture.
+struct ConeSet {
+    std::vector<glm::dvec3> directions;
+    std::vector<double> weights;
+    double tanHalfAngle = 0;
+    bool spiral = false;  ///< cosine-stratified golden-angle spiral, which can be turned and shifted from pixel to pixel
+};
+
+/// Sets of 1, 5, 6, 9, 16 and 32 cones.
+///  1: the normal, as wide as the hemisphere's cosine lobe.
+///  5, 6: the normal and a ring at 60° with weights that make Σw cosθ = 2/3 and Σw cos²θ = 1/2 exact.
+///  9: the 2017 thesis': normal, four sides at 45° and four corners of the cube, 60° wide; weights are those of the
+///     directions nearest to each.
+///  16, 32: cosθ = √(1 − (i + ½)/n), azimuth by the golden angle, equal weights.
+ConeSet coneSet(int count);
+
+}  // namespace voxcone

@@ -1,0 +1,35 @@
+// Storage blocks of the voxels and what is in them. Twin of shaders/voxelize/buffers.glsl and records.glsl.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace voxcone {
+
+enum VoxelStorageBlock : int {
+    kCounterStorage = 3,
+    kRecordStorage = 4,    ///< sums, while voxelizing
+    kVoxelStorage = 5,
+    kFaceStorage = 6,
+    kCoverageStorage = 7,
+    kRadianceStorage = 4,  ///< while lighting: outgoing radiance of each face, coverage in w
+    kDirectStorage = 7,    ///< while bouncing: radiance of the faces from lights and emission alone
+};
+
+struct VoxelCounters {
+    std::uint32_t occupied = 0;   ///< voxels that hold a surface
+    std::uint32_t saturated = 0;  ///< additions left out because a sum was full
+    std::uint32_t fragments = 0;  ///< triangle pieces added
+    std::uint32_t clamped = 0;    ///< radiances beyond the range of their storage
+    std::uint32_t brightest = 0;  ///< bits of the largest radiance as a float
+};
+
+/// A face of a resolved voxel: albedo, normal, position, emission, packed.
+struct FaceRecord {
+    std::uint32_t albedo, normal, position, emission;
+};
+
+/// Words of a face's sums.
+constexpr int faceWords(bool compareAndSwap, bool emission) { return compareAndSwap ? 4 : emission ? 16 : 10; }
+
+}  // namespace voxcone

@@ -174,8 +174,10 @@ void Context::listen() {
     // Only errors and misuse are of interest; drivers send performance hints and group markers as lower severities.
     glDebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DONT_CARE, 0, nullptr, GL_FALSE);
     glDebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DEBUG_SEVERITY_HIGH, 0, nullptr, GL_TRUE);
-    const auto callback = [](GLenum, GLenum, GLuint, GLenum severity, GLsizei, const GLchar* text, const void* user) {
-        if (severity != GL_DEBUG_SEVERITY_HIGH) return;
+    const auto callback = [](GLenum source, GLenum, GLuint, GLenum severity, GLsizei, const GLchar* text,
+                             const void* user) {
+        // A shader that does not compile is reported by ShaderLibrary, with file and line.
+        if (severity != GL_DEBUG_SEVERITY_HIGH || source == GL_DEBUG_SOURCE_SHADER_COMPILER) return;
         static_cast<Context*>(const_cast<void*>(user))->onMessage(text);
     };
     glDebugMessageCallback(callback, this);

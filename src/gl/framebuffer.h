@@ -26,6 +26,8 @@ class Framebuffer {
     /// Makes it the draw framebuffer, checks completeness (a bug of ours otherwise), sets the draw buffers and the
     /// viewport to its whole size.
     void bind() const;
+    /// Restricts drawing to a part of it, after bind(); texels from the lower left.
+    static void viewport(int x, int y, int width, int height) { glViewport(x, y, width, height); }
     void clearColor(int index, const glm::vec4& value) const;  ///< binds
     void clearColorUint(int index, const glm::uvec4& value) const;
     void clearDepth(float value) const;

@@ -63,16 +63,19 @@ Program link(const std::vector<GLuint>& stages, const std::string& label) {
 
 }  // namespace
 
-std::string mapShaderLog(std::string_view log, const std::vector<std::string>& files) {
-    static const std::regex mesaOrIntel(R"(^(?:ERROR: |WARNING: )?(\d+):(\d+)(?:\(\d+\))?: ?(.*)$)");
-    static const std::regex nvidia(R"(^(\d+)\((\d+)\) ?: ?(.*)$)");
-    std::istringstream lines{std::string(log)};
+std::string mapShaderLog(std::string_view log, const std::vector<SourceLine>& lines) {
+    static const std::regex mesaOrIntel(R"(^(?:ERROR: |WARNING: )?0:(\d+)(?:\(\d+\))?: ?(.*)$)");
+    static const std::regex nvidia(R"(^0\((\d+)\) ?: ?(.*)$)");
+    std::istringstream in{std::string(log)};
     std::string line, out;
-    while (std::getline(lines, line)) {
+    while (std::getline(in, line)) {
         std::smatch match;
         if (std::regex_match(line, match, mesaOrIntel) || std::regex_match(line, match, nvidia)) {
-            const std::size_t file = std::stoul(match[1]);
-            if (file < files.size()) line = "shaders/" + files[file] + ":" + match[2].str() + ": " + match[3].str();
+            const std::size_t number = std::stoul(match[1]);
+            if (number >= 1 && number <= lines.size()) {
+                const SourceLine& origin = lines[number - 1];
+                line = fmt::format("shaders/{}:{}: {}", origin.file, origin.line, match[2].str());
+            }
         }
         if (!line.empty()) out += (out.empty() ? "" : "\n") + line;
     }
@@ -95,48 +98,46 @@ std::string ShaderLibrary::source(const std::string& path, const std::string& in
                                            : includedFrom + ": no such include: shaders/" + path);
 }
 
-void ShaderLibrary::expand(const std::string& path, const std::string& text, std::vector<std::string>& files,
-                           std::string& out) const {
+void ShaderLibrary::expand(const std::string& path, const std::string& text, std::vector<std::string>& included,
+                           Assembled& out) const {
     static const std::regex include(R"re(^\s*#\s*include\s*"([^"]+)"\s*(//.*)?$)re");
-    const std::size_t number = files.size();
-    files.push_back(path);
-    out += "#line 1 " + std::to_string(number) + "\n";
-    std::istringstream lines(text);
+    included.push_back(path);
+    std::istringstream in(text);
     std::string line;
-    for (int lineNumber = 1; std::getline(lines, line); ++lineNumber) {
+    for (int lineNumber = 1; std::getline(in, line); ++lineNumber) {
         std::smatch match;
         if (line.find('#') == std::string::npos || !std::regex_match(line, match, include)) {
-            out += line + "\n";
+            out.text += line + "\n";
+            out.lines.push_back({path, lineNumber});
             continue;
         }
-        const std::string included = match[1];
-        if (std::find(files.begin(), files.end(), included) == files.end()) {
-            expand(included, source(included, "shaders/" + path + ":" + std::to_string(lineNumber)), files, out);
+        const std::string name = match[1];
+        if (std::find(included.begin(), included.end(), name) == included.end()) {
+            expand(name, source(name, fmt::format("shaders/{}:{}", path, lineNumber)), included, out);
         }
-        out += "#line " + std::to_string(lineNumber + 1) + " " + std::to_string(number) + "\n";
     }
 }
 
-std::string ShaderLibrary::assemble(const std::string& path, const std::string& text, const Defines& defines,
-                                    std::vector<std::string>& files) const {
-    std::string out = "#version 430 core\n";
-    for (const auto& [name, value] : defines) out += "#define " + name + " " + value + "\n";
-    files.clear();
-    expand(path, text, files, out);
+// No #line directives: Mesa forgets their source number inside expressions, so lines are mapped back by our own table.
+ShaderLibrary::Assembled ShaderLibrary::assemble(const std::string& path, const std::string& text,
+                                                 const Defines& defines) const {
+    Assembled out;
+    out.text = "#version 430 core\n";
+    out.lines.push_back({path, 0});
+    for (const auto& [name, value] : defines) {
+        out.text += "#define " + name + " " + value + "\n";
+        out.lines.push_back({path, 0});
+    }
+    std::vector<std::string> included;
+    expand(path, text, included, out);
     return out;
 }
 
-std::string ShaderLibrary::preprocess(const std::string& path, const Defines& defines,
-                                      std::vector<std::string>& files) const {
-    return assemble(path, source(path, ""), defines, files);
-}
-
 GLuint ShaderLibrary::compileStage(const std::string& path, const std::string& text, const Defines& defines) const {
-    std::vector<std::string> files;
-    const std::string full = assemble(path, text, defines, files);
+    const Assembled full = assemble(path, text, defines);
     const GLuint shader = glCreateShader(stageOf(path));
-    const GLchar* pointer = full.data();
-    const auto length = static_cast<GLint>(full.size());
+    const GLchar* pointer = full.text.data();
+    const auto length = static_cast<GLint>(full.text.size());
     glShaderSource(shader, 1, &pointer, &length);
     glCompileShader(shader);
     GLint compiled = GL_FALSE;
@@ -144,7 +145,7 @@ GLuint ShaderLibrary::compileStage(const std::string& path, const std::string& t
     if (compiled == GL_FALSE) {
         const std::string log = shaderLog(shader);
         glDeleteShader(shader);
-        throw ShaderError(mapShaderLog(log, files));
+        throw ShaderError(mapShaderLog(log, full.lines));
     }
     return shader;
 }

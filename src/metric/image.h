@@ -14,7 +14,9 @@ struct Image {
 
     Image() = default;
     Image(int w, int h, int c)
-        : width(w), height(h), channels(c),
+        : width(w),
+          height(h),
+          channels(c),
           data(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c)) {}
     float* pixel(int x, int y) { return data.data() + index(x, y); }
     const float* pixel(int x, int y) const { return data.data() + index(x, y); }
@@ -26,15 +28,15 @@ struct Image {
     }
 };
 
-/// Reads EXR, PNG, HDR, … through OpenImageIO. EXR and HDR give their linear values; 8- and 16-bit formats are decoded from
-/// sRGB to linear. Throws InputError (file, reason).
+/// Reads EXR, PNG, HDR, … through OpenImageIO. EXR and HDR give their linear values; 8- and 16-bit formats are decoded
+/// from sRGB to linear. Throws InputError (file, reason).
 Image readImage(const std::filesystem::path& file);
 
 /// 32-bit float EXR (zip), written atomically.
 void writeExr(const std::filesystem::path& file, const Image& image);
 
-/// 8-bit PNG, written atomically. `image` is linear display-referred in [0,1] and is encoded to sRGB; values outside are
-/// clipped, NaN is written as magenta so that it is seen.
+/// 8-bit PNG, written atomically. `image` is linear display-referred in [0,1] and is encoded to sRGB; values outside
+/// are clipped, NaN is written as magenta so that it is seen.
 void writePng(const std::filesystem::path& file, const Image& image);
 
 /// sRGB transfer functions (IEC 61966-2-1).

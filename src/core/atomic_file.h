@@ -22,7 +22,11 @@ class AtomicFile {
   private:
     std::filesystem::path final_, temporary_;
     bool committed_ = false;
+    std::size_t slot_ = 0;  ///< where the signal handler finds the temporary name
 };
+
+/// From now on SIGINT, SIGTERM and SIGHUP remove all temporary files and end the process with status 128 + signal.
+void removeTemporaryFilesOnSignals();
 
 /// Writes `content` whole. Throws InputError that names the file when it cannot.
 void writeTextFile(const std::filesystem::path& path, std::string_view content);

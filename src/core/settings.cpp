@@ -10,6 +10,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/nearest.h"
 
 namespace voxcone {
 
@@ -101,26 +102,10 @@ bool store(const Field& field, const json& value) {
     return true;
 }
 
-std::size_t editDistance(const std::string& a, const std::string& b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-        std::size_t diagonal = row[0];
-        row[0] = i;
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-            diagonal = row[j];
-            row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
-        }
-    }
-    return row.back();
-}
-
 std::string unknownKey(const std::vector<Field>& all, const std::string& key) {
-    const auto nearest = std::min_element(all.begin(), all.end(), [&](const Field& a, const Field& b) {
-        return editDistance(a.key, key) < editDistance(b.key, key);
-    });
-    return fmt::format("unknown setting \"{}\"; did you mean \"{}\"?", key, nearest->key);
+    std::vector<std::string> keys;
+    for (const Field& field : all) keys.push_back(field.key);
+    return fmt::format("unknown setting \"{}\"; did you mean \"{}\"?", key, nearestWord(keys, key));
 }
 
 std::string badValue(const Field& field, const std::string& given) {

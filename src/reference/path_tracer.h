@@ -13,7 +13,8 @@
 namespace voxcone {
 
 /// Conventions shared with the renderer (docs/architecture.md, "What light does"):
-///  - A surface blocks light from both sides. The back of a single-sided material reflects like its front but does not emit,
+///  - A surface blocks light from both sides. The back of a single-sided material reflects like its front but does not
+///  emit,
 ///    and the camera's own rays pass through it.
 ///  - `direct` is light from analytic lights (Scene::lights) straight to the visible surface, diffuse and specular.
 ///    Everything else that arrives (sky, emitting surfaces, bounced light) is indirect: `indirectDiffuse` through the
@@ -21,12 +22,12 @@ namespace voxcone {
 ///  - Pixel samples lie on the regular supersample² grid inside the pixel (pixel centre for 1).
 struct ReferenceImages {
     Image beauty, direct, indirectDiffuse, indirectSpecular, emission, albedo, normal;  ///< 3 channels, linear radiance
-    Image ao, depth;       ///< 1 channel; ao is cosine-weighted openness; depth is view-space distance −z, 0 = background
-    Image position;        ///< 3 channels, world space
-    /// Standard error of the mean of beauty and of indirectDiffuse, as RMS over pixels relative to the mean value, from two
-    /// independent halves of the samples.
+    Image ao, depth;  ///< 1 channel; ao is cosine-weighted openness; depth is view-space distance −z, 0 = background
+    Image position;   ///< 3 channels, world space
+    /// Standard error of the mean of beauty and of indirectDiffuse, as RMS over pixels relative to the mean value, from
+    /// two independent halves of the samples.
     double beautyError = 0, indirectDiffuseError = 0;
-    int samples = 0;       ///< per pixel
+    int samples = 0;  ///< per pixel
     double seconds = 0;
 };
 
@@ -50,7 +51,7 @@ class PathTracer {
     struct ProbeResult {
         glm::vec3 indirectIrradiance;  ///< from sky, emitters and bounces, W/m²
         glm::vec3 directIrradiance;    ///< from analytic lights
-        float openness;                ///< cosine-weighted fraction of the sky that is visible (ao.distance, ao.falloff)
+        float openness;  ///< cosine-weighted fraction of the sky that is visible (ao.distance, ao.falloff)
     };
     std::vector<ProbeResult> probe(const std::vector<Probe>& probes, const Settings& settings) const;
 

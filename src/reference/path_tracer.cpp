@@ -1,0 +1,478 @@
+// Unidirectional path tracing with next-event estimation and multiple importance sampling (Veach 1997, power
+// heuristic).
+//
+// At every vertex one lobe, diffuse or specular, is drawn and followed, and the light samples are weighted for each
+// lobe apart. So the lobe of the first vertex says which channel a path feeds, both channels are unbiased, and they add
+// up.
+#include "reference/path_tracer.h"
+
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <limits>
+#include <mutex>
+
+#include "reference/geometry.h"
+#include "reference/lights.h"
+#include "reference/sampler.h"
+
+namespace voxcone {
+namespace {
+
+constexpr float kPi = glm::pi<float>();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// Sets of four sample dimensions: one for the openness ray, then three a vertex.
+constexpr std::uint32_t kOpennessSet = 0, kFirstVertexSet = 1, kSetsPerVertex = 3;
+constexpr std::uint32_t kBsdfSet = 0, kLightSet = 1, kEmitterSet = 2;
+// Hashed (not stratified) decisions of transparent surfaces: camera ray, openness ray, then three rays a vertex.
+constexpr std::uint32_t kCameraRay = 0, kOpennessRay = 1, kFirstVertexRay = 2;
+
+// A lobe that reflects anything is drawn at least this often.
+constexpr float kMinLobeProbability = 0.1f;
+// Paths this long are ended by chance. Shorter ones carry most of the light.
+constexpr int kRouletteDepth = 3;
+// Smallest cosine between a shading normal and the viewer. Normals that look away are turned as far as this.
+constexpr float kMinViewCosine = 1e-3f;
+// Samples of the first pass when the error decides how many there are.
+constexpr int kFirstPass = 16;
+constexpr int kTile = 16;
+
+/// A point where a path scatters.
+struct Vertex {
+    glm::vec3 origin;       ///< of rays that leave, off the plane on the viewer's side
+    glm::vec3 planeNormal;  ///< on the viewer's side
+    glm::vec3 normal;       ///< shading
+    glm::vec3 toViewer;
+    Surface surface;
+};
+
+/// Light that leaves the first vertex, by channel.
+struct Scattered {
+    glm::vec3 direct{0}, diffuse{0}, specular{0};
+};
+
+struct LobeProbabilities {
+    float diffuse = 0, specular = 0;
+};
+
+Vertex makeVertex(const Hit& hit, const Shading& shading, const glm::vec3& toViewer) {
+    Vertex vertex{hit.position + hit.offset * shading.planeNormal, shading.planeNormal, shading.normal, toViewer,
+                  shading.surface};
+    const float cosine = glm::dot(vertex.normal, toViewer);
+    if (cosine < kMinViewCosine) vertex.normal = glm::normalize(vertex.normal + (kMinViewCosine - cosine) * toViewer);
+    return vertex;
+}
+
+LobeProbabilities lobeProbabilities(const Vertex& vertex) {
+    const float cosine = glm::dot(vertex.normal, vertex.toViewer);
+    const float diffuse = maxComponent(vertex.surface.diffuseColor) * diffuseAlbedoScale(vertex.surface, cosine);
+    const float specular = maxComponent(fresnel(vertex.surface, cosine));
+    if (!(diffuse > 0)) return {0, specular > 0 ? 1.0f : 0.0f};
+    if (!(specular > 0)) return {1, 0};
+    const float share = glm::clamp(specular / (diffuse + specular), kMinLobeProbability, 1 - kMinLobeProbability);
+    return {1 - share, share};
+}
+
+/// Visible GGX normal of a viewer at `v` in the frame of the normal (Heitz, JCGT 7(4), 2018).
+glm::vec3 visibleNormal(const glm::vec3& v, float alpha, const glm::vec2& u) {
+    const glm::vec3 stretched = glm::normalize(glm::vec3(alpha * v.x, alpha * v.y, v.z));
+    const float length2 = stretched.x * stretched.x + stretched.y * stretched.y;
+    const glm::vec3 t1 =
+        length2 > 0 ? glm::vec3(-stretched.y, stretched.x, 0) / std::sqrt(length2) : glm::vec3(1, 0, 0);
+    const glm::vec3 t2 = glm::cross(stretched, t1);
+    const float r = std::sqrt(u.x), phi = 2 * kPi * u.y;
+    const float p1 = r * std::cos(phi), s = 0.5f * (1 + stretched.z);
+    const float p2 = (1 - s) * std::sqrt(std::max(0.0f, 1 - p1 * p1)) + s * r * std::sin(phi);
+    const glm::vec3 n = p1 * t1 + p2 * t2 + std::sqrt(std::max(0.0f, 1 - p1 * p1 - p2 * p2)) * stretched;
+    return glm::normalize(glm::vec3(alpha * n.x, alpha * n.y, std::max(1e-9f, n.z)));
+}
+
+/// Density of reflecting the viewer about a visible normal, per sr of `l`.
+float specularPdf(const Vertex& vertex, const glm::vec3& l) {
+    const float nDotV = glm::dot(vertex.normal, vertex.toViewer);
+    if (nDotV <= 0 || glm::dot(vertex.normal, l) <= 0) return 0;
+    const glm::vec3 h = glm::normalize(vertex.toViewer + l);
+    const glm::vec3 nCrossH = glm::cross(vertex.normal, h);
+    const float alpha = vertex.surface.alpha, a2 = alpha * alpha;
+    const float d = ggxDistribution(alpha, glm::dot(vertex.normal, h), glm::dot(nCrossH, nCrossH));
+    // G1 / (4 n·v) without a division by n·v.
+    return d * 0.5f / (nDotV + std::sqrt(nDotV * nDotV * (1 - a2) + a2));
+}
+
+float diffusePdf(const Vertex& vertex, const glm::vec3& l) {
+    return std::max(0.0f, glm::dot(vertex.normal, l)) / kPi;
+}
+
+float powerHeuristic(float own, float other) {
+    const float ratio = other / own;
+    return 1 / (1 + ratio * ratio);
+}
+
+/// Share of openness that an occluder at `distance` leaves.
+float openWeight(float distance, const Settings::Ao& ao, float reach) {
+    const float t = std::min(distance / reach, 1.0f);
+    switch (ao.falloff) {
+        case AoFalloff::linear:
+            return t;
+        case AoFalloff::square_root:
+            return std::sqrt(t);
+        default:
+            return 0;
+    }
+}
+
+/// Sums over a pixel's samples. What the error estimate needs is kept apart by half.
+template <class Vec>
+struct PixelSums {
+    using Real = typename Vec::value_type;
+    struct Half {
+        Vec direct{0}, diffuse{0}, specular{0}, own{0};  ///< own: emission and background
+        Vec beauty() const { return direct + diffuse + specular + own; }
+    };
+    std::array<Half, 2> halves;
+    Vec emission{0}, albedo{0}, normal{0}, position{0};
+    Real openness = 0, depth = 0, hits = 0;
+
+    template <class Other>
+    void add(const PixelSums<Other>& other) {
+        for (std::size_t h = 0; h < 2; ++h) {
+            halves[h].direct += Vec(other.halves[h].direct);
+            halves[h].diffuse += Vec(other.halves[h].diffuse);
+            halves[h].specular += Vec(other.halves[h].specular);
+            halves[h].own += Vec(other.halves[h].own);
+        }
+        emission += Vec(other.emission);
+        albedo += Vec(other.albedo);
+        normal += Vec(other.normal);
+        position += Vec(other.position);
+        openness += static_cast<Real>(other.openness);
+        depth += static_cast<Real>(other.depth);
+        hits += static_cast<Real>(other.hits);
+    }
+};
+
+/// Rays through the pixels of a camera in tracing space.
+struct View {
+    glm::vec3 eye, right, up, forward;
+    float nearPlane, farPlane;
+    int width, height, grid;
+
+    View(const Camera& camera, const Settings::Output& output, const TracingSpace& space)
+        : eye(space.fromWorld(camera.position)), width(output.width), height(output.height), grid(output.supersample) {
+        const glm::dvec3 f = glm::normalize(camera.target - camera.position);
+        const glm::dvec3 r = glm::normalize(glm::cross(f, camera.up));
+        const double halfHeight = std::tan(glm::radians(0.5 * camera.verticalFovDeg));
+        forward = glm::vec3(f);
+        right = glm::vec3(r * (halfHeight * width / height));
+        up = glm::vec3(glm::cross(r, f) * halfHeight);
+        nearPlane = static_cast<float>(camera.near * space.scale);
+        farPlane = camera.far > 0 ? static_cast<float>(camera.far * space.scale) : kInfinity;
+    }
+
+    /// Unit direction through the centre of cell (cellX, cellY) of the pixel's grid².
+    glm::vec3 direction(int x, int y, int cellX, int cellY) const {
+        const auto place = [&](int pixel, int cell, int size) {
+            const float at = static_cast<float>(pixel) + (static_cast<float>(cell) + 0.5f) / static_cast<float>(grid);
+            return 2 * at / static_cast<float>(size) - 1;
+        };
+        return glm::normalize(forward + place(x, cellX, width) * right - place(y, cellY, height) * up);
+    }
+};
+
+/// Root mean square over pixels of the standard error of `value`'s mean, relative to the mean over the picture. `value`
+/// gives the mean over one half of a pixel's samples.
+template <class Value>
+double relativeError(std::size_t pixels, Value&& value) {
+    double squares = 0, mean = 0;
+    for (std::size_t k = 0; k < pixels; ++k) {
+        const glm::dvec3 a = value(k, 0), b = value(k, 1);
+        // Var((a+b)/2) = Var(a−b)/4 for independent halves.
+        squares += glm::dot(a - b, a - b) / 4;
+        mean += glm::dot(a + b, glm::dvec3(0.5));
+    }
+    const double values = 3 * static_cast<double>(pixels);
+    return mean > 0 ? std::sqrt(squares / values) / (mean / values) : 0;
+}
+
+void setPixel(Image& image, std::size_t pixel, const glm::dvec3& value) {
+    for (int c = 0; c < 3; ++c) image.data[3 * pixel + static_cast<std::size_t>(c)] = static_cast<float>(value[c]);
+}
+
+}  // namespace
+
+struct PathTracer::Impl {
+    Impl(const Scene& s, double time)
+        : scene(s), geometry(s, time), lights(s, time, geometry.space()), emitters(s, geometry) {}
+
+    const Scene& scene;
+    Geometry geometry;
+    AnalyticLights lights;
+    Emitters emitters;
+
+    Scattered scatter(Vertex vertex, const Sampler& sampler, int maxDepth) const;
+    float openness(const Vertex& vertex, const Sampler& sampler, const Settings::Ao& ao) const;
+};
+
+Scattered PathTracer::Impl::scatter(Vertex vertex, const Sampler& sampler, int maxDepth) const {
+    Scattered result;
+    glm::vec3* channel = nullptr;
+    glm::vec3 throughput(1);
+
+    for (int depth = 0; depth < maxDepth; ++depth) {
+        const auto step = static_cast<std::uint32_t>(depth);
+        const std::uint32_t sets = kFirstVertexSet + kSetsPerVertex * step;
+        const std::uint32_t rays = kFirstVertexRay + kSetsPerVertex * step;
+        const LobeProbabilities lobes = lobeProbabilities(vertex);
+        if (lobes.diffuse + lobes.specular <= 0) break;
+
+        // What a light sample adds through each lobe, unshadowed, weighted against finding it by that lobe.
+        const auto throughLobes = [&](const LightSample& light, glm::vec3& diffuse, glm::vec3& specular) {
+            diffuse = specular = glm::vec3(0);
+            const float cosine = glm::dot(vertex.normal, light.direction);
+            if (light.pdf <= 0 || cosine <= 0 || glm::dot(vertex.planeNormal, light.direction) <= 0) return false;
+            const glm::vec3 incoming = light.radiance * (cosine / light.pdf);
+            if (maxComponent(incoming) <= 0) return false;
+            if (lobes.diffuse > 0) {
+                const float weight =
+                    light.delta ? 1 : powerHeuristic(light.pdf, lobes.diffuse * diffusePdf(vertex, light.direction));
+                diffuse = throughput * incoming * weight *
+                          evaluateDiffuse(vertex.surface, vertex.normal, vertex.toViewer, light.direction);
+            }
+            if (lobes.specular > 0) {
+                const float weight =
+                    light.delta ? 1 : powerHeuristic(light.pdf, lobes.specular * specularPdf(vertex, light.direction));
+                specular = throughput * incoming * weight *
+                           evaluateSpecular(vertex.surface, vertex.normal, vertex.toViewer, light.direction);
+            }
+            return maxComponent(diffuse + specular) > 0;
+        };
+        const auto lit = [&](const LightSample& light, std::uint32_t ray) {
+            return !geometry.occluded(vertex.origin, light.toTarget, light.far, sampler.hashed(ray));
+        };
+
+        glm::vec3 diffuse, specular;
+        if (!lights.empty()) {
+            const glm::vec4 u = sampler.set(sets + kLightSet);
+            const LightSample light = lights.sample(vertex.origin, glm::vec2(u), u.z);
+            if (throughLobes(light, diffuse, specular) && lit(light, rays + kLightSet))
+                (depth == 0 ? result.direct : *channel) += diffuse + specular;
+        }
+        if (!emitters.empty()) {
+            const glm::vec4 u = sampler.set(sets + kEmitterSet);
+            const LightSample light = emitters.sample(vertex.origin, glm::vec2(u), u.z);
+            if (throughLobes(light, diffuse, specular) && lit(light, rays + kEmitterSet)) {
+                (depth == 0 ? result.diffuse : *channel) += diffuse;
+                (depth == 0 ? result.specular : *channel) += specular;
+            }
+        }
+
+        // Follow one lobe.
+        const glm::vec4 u = sampler.set(sets + kBsdfSet);
+        const bool isDiffuse = u.z < lobes.diffuse;
+        const glm::mat3 frame = frameAround(vertex.normal);
+        glm::vec3 direction;
+        if (isDiffuse) {
+            direction = frame * cosineDirection(glm::vec2(u));
+        } else {
+            const glm::vec3 h = frame * visibleNormal(vertex.toViewer * frame, vertex.surface.alpha, glm::vec2(u));
+            direction = 2 * glm::dot(vertex.toViewer, h) * h - vertex.toViewer;
+        }
+        direction = glm::normalize(direction);
+        const float cosine = glm::dot(vertex.normal, direction);
+        if (cosine <= 0 || glm::dot(vertex.planeNormal, direction) <= 0) break;
+        const float pdf =
+            isDiffuse ? lobes.diffuse * diffusePdf(vertex, direction) : lobes.specular * specularPdf(vertex, direction);
+        if (!(pdf > 0)) break;
+        throughput *=
+            (cosine / pdf) * (isDiffuse ? evaluateDiffuse(vertex.surface, vertex.normal, vertex.toViewer, direction)
+                                        : evaluateSpecular(vertex.surface, vertex.normal, vertex.toViewer, direction));
+        if (depth == 0) channel = isDiffuse ? &result.diffuse : &result.specular;
+
+        Hit hit;
+        const bool found = geometry.intersect(Geometry::RayKind::light, vertex.origin, direction, 0, kInfinity,
+                                              sampler.hashed(rays + kBsdfSet), hit);
+        lights.forEachHit(
+            vertex.origin, direction, found ? hit.distance : kInfinity, [&](const glm::vec3& radiance, float lightPdf) {
+                (depth == 0 ? result.direct : *channel) += throughput * radiance * powerHeuristic(pdf, lightPdf);
+            });
+        if (!found) {
+            *channel += throughput * emitters.sky(direction) * powerHeuristic(pdf, emitters.pdfOfSky(direction));
+            break;
+        }
+        const Shading shading = geometry.shade(hit, -direction);
+        if (maxComponent(shading.emission) > 0)
+            *channel += throughput * shading.emission * powerHeuristic(pdf, emitters.pdfOfHit(hit, direction));
+
+        if (depth + 1 >= kRouletteDepth) {
+            const float survival = std::min(1.0f, maxComponent(throughput));
+            if (u.w >= survival) break;
+            throughput /= survival;
+        }
+        vertex = makeVertex(hit, shading, -direction);
+    }
+    return result;
+}
+
+float PathTracer::Impl::openness(const Vertex& vertex, const Sampler& sampler, const Settings::Ao& ao) const {
+    const glm::vec3 direction = frameAround(vertex.normal) * cosineDirection(glm::vec2(sampler.set(kOpennessSet)));
+    if (glm::dot(direction, vertex.planeNormal) <= 0) return 0;
+    const float reach = static_cast<float>(ao.distance * geometry.space().scale);
+    const std::uint32_t seed = sampler.hashed(kOpennessRay);
+    if (reach <= 0 || ao.falloff == AoFalloff::none)
+        return geometry.occluded(vertex.origin, direction, reach > 0 ? reach : kInfinity, seed) ? 0.0f : 1.0f;
+    Hit hit;
+    if (!geometry.intersect(Geometry::RayKind::light, vertex.origin, direction, 0, reach, seed, hit)) return 1;
+    return openWeight(hit.distance, ao, reach);
+}
+
+PathTracer::PathTracer(const Scene& scene, double time) : impl_(std::make_unique<Impl>(scene, time)) {}
+PathTracer::~PathTracer() = default;
+
+ReferenceImages PathTracer::render(const Camera& camera, const Settings& settings,
+                                   const std::function<void(double)>& progress) const {
+    const auto start = std::chrono::steady_clock::now();
+    const TracingSpace& space = impl_->geometry.space();
+    const View view(camera, settings.output, space);
+    const int cells = view.grid * view.grid;
+    const auto pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
+    std::vector<PixelSums<glm::vec3>> sums(pixels);
+
+    // Every grid cell of every half gets the same number of samples.
+    const auto samplesPerCell = [&](int perPixel) { return (perPixel + 2 * cells - 1) / (2 * cells); };
+    const int most = samplesPerCell(settings.reference.samples);
+    int done = 0;
+    std::mutex progressMutex;
+    double progressed = 0;  // pixels × samples per cell
+
+    const auto tracePixel = [&](int x, int y, int first, int end) {
+        PixelSums<glm::dvec3> sum;
+        for (int stream = 0; stream < 2 * cells; ++stream) {
+            auto& half = sum.halves[static_cast<std::size_t>(stream % 2)];
+            const int cell = stream / 2;
+            const glm::vec3 direction = view.direction(x, y, cell % view.grid, cell / view.grid);
+            const float along = glm::dot(direction, view.forward);
+            std::uint32_t seed = hashBits(static_cast<std::uint32_t>(settings.reference.seed));
+            for (const int part : {x, y, stream}) seed = hashCombine(seed, static_cast<std::uint32_t>(part));
+            for (int index = first; index < end; ++index) {
+                const Sampler sampler(seed, static_cast<std::uint32_t>(index));
+                Hit hit;
+                if (!impl_->geometry.intersect(Geometry::RayKind::camera, view.eye, direction, view.nearPlane / along,
+                                               view.farPlane / along, sampler.hashed(kCameraRay), hit)) {
+                    half.own += glm::dvec3(impl_->emitters.sky(direction));
+                    sum.openness += 1;
+                    continue;
+                }
+                const Shading shading = impl_->geometry.shade(hit, -direction);
+                const Vertex vertex = makeVertex(hit, shading, -direction);
+                const Scattered light = impl_->scatter(vertex, sampler, settings.reference.maxDepth);
+                half.direct += glm::dvec3(light.direct);
+                half.diffuse += glm::dvec3(light.diffuse);
+                half.specular += glm::dvec3(light.specular);
+                half.own += glm::dvec3(shading.emission);
+                sum.emission += glm::dvec3(shading.emission);
+                sum.albedo += glm::dvec3(shading.baseColor);
+                sum.normal += glm::dvec3(shading.normal);
+                sum.position += glm::dvec3(hit.position);
+                sum.depth += static_cast<double>(hit.distance * along);
+                sum.openness += static_cast<double>(impl_->openness(vertex, sampler, settings.ao));
+                sum.hits += 1;
+            }
+        }
+        sums[static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) + static_cast<std::size_t>(x)].add(sum);
+    };
+    const auto tracePass = [&](int end) {
+        const int columns = (view.width + kTile - 1) / kTile, rows = (view.height + kTile - 1) / kTile;
+        tbb::parallel_for(0, columns * rows, [&](int tile) {
+            const int x0 = tile % columns * kTile, y0 = tile / columns * kTile;
+            const int x1 = std::min(x0 + kTile, view.width), y1 = std::min(y0 + kTile, view.height);
+            for (int y = y0; y < y1; ++y)
+                for (int x = x0; x < x1; ++x) tracePixel(x, y, done, end);
+            if (!progress) return;
+            const std::lock_guard lock(progressMutex);
+            progressed += static_cast<double>((x1 - x0) * (y1 - y0)) * (end - done);
+            progress(progressed / (static_cast<double>(pixels) * most));
+        });
+        done = end;
+    };
+
+    ReferenceImages images;
+    const auto halfMean = [&](std::size_t k, std::size_t h, auto&& select) {
+        return glm::dvec3(select(sums[k].halves[h])) / static_cast<double>(done * cells);
+    };
+    const bool adaptive = settings.reference.error > 0;
+    int end = adaptive ? std::min(samplesPerCell(kFirstPass), most) : most;
+    while (true) {
+        tracePass(end);
+        images.beautyError = relativeError(
+            pixels, [&](std::size_t k, std::size_t h) { return halfMean(k, h, [](auto& s) { return s.beauty(); }); });
+        if (done == most || images.beautyError <= settings.reference.error) break;
+        end = std::min(2 * done, most);
+    }
+    images.indirectDiffuseError = relativeError(
+        pixels, [&](std::size_t k, std::size_t h) { return halfMean(k, h, [](auto& s) { return s.diffuse; }); });
+    if (progress) progress(1);
+    images.samples = 2 * cells * done;
+
+    for (Image* image : {&images.beauty, &images.direct, &images.indirectDiffuse, &images.indirectSpecular,
+                         &images.emission, &images.albedo, &images.normal, &images.position})
+        *image = Image(view.width, view.height, 3);
+    images.ao = Image(view.width, view.height, 1);
+    images.depth = Image(view.width, view.height, 1);
+    const double count = images.samples;
+    for (std::size_t k = 0; k < pixels; ++k) {
+        const PixelSums<glm::vec3>& sum = sums[k];
+        const auto total = [&](auto&& select) {
+            return (glm::dvec3(select(sum.halves[0])) + glm::dvec3(select(sum.halves[1]))) / count;
+        };
+        setPixel(images.beauty, k, total([](auto& s) { return s.beauty(); }));
+        setPixel(images.direct, k, total([](auto& s) { return s.direct; }));
+        setPixel(images.indirectDiffuse, k, total([](auto& s) { return s.diffuse; }));
+        setPixel(images.indirectSpecular, k, total([](auto& s) { return s.specular; }));
+        setPixel(images.emission, k, glm::dvec3(sum.emission) / count);
+        setPixel(images.albedo, k, glm::dvec3(sum.albedo) / count);
+        setPixel(images.normal, k, glm::dvec3(sum.normal) / count);
+        images.ao.data[k] = static_cast<float>(static_cast<double>(sum.openness) / count);
+        if (sum.hits <= 0) continue;  // depth and position of the background stay 0
+        images.depth.data[k] = static_cast<float>(static_cast<double>(sum.depth / sum.hits) / space.scale);
+        setPixel(images.position, k, space.toWorld(sum.position / sum.hits));
+    }
+    images.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return images;
+}
+
+std::vector<PathTracer::ProbeResult> PathTracer::probe(const std::vector<Probe>& probes,
+                                                       const Settings& settings) const {
+    std::vector<ProbeResult> results(probes.size());
+    const int samples = settings.reference.samples;
+    tbb::parallel_for(std::size_t{0}, probes.size(), [&](std::size_t k) {
+        const glm::vec3 normal = glm::normalize(probes[k].normal);
+        const glm::vec3 position = impl_->geometry.space().fromWorld(probes[k].position);
+        // A white Lambert surface turns irradiance E into radiance E/π.
+        Surface white;
+        white.diffuseColor = glm::vec3(1);
+        const Vertex vertex{position + Geometry::offset(position, normal, glm::abs(position)) * normal, normal, normal,
+                            normal, white};
+        const std::uint32_t seed =
+            hashCombine(hashBits(static_cast<std::uint32_t>(settings.reference.seed)), static_cast<std::uint32_t>(k));
+        glm::dvec3 direct(0), indirect(0);
+        double open = 0;
+        for (int index = 0; index < samples; ++index) {
+            const Sampler sampler(seed, static_cast<std::uint32_t>(index));
+            const Scattered light = impl_->scatter(vertex, sampler, settings.reference.maxDepth);
+            direct += glm::dvec3(light.direct);
+            indirect += glm::dvec3(light.diffuse);
+            open += static_cast<double>(impl_->openness(vertex, sampler, settings.ao));
+        }
+        const double perSample = glm::pi<double>() / samples;
+        results[k].directIrradiance = glm::vec3(direct * perSample);
+        results[k].indirectIrradiance = glm::vec3(indirect * perSample);
+        results[k].openness = static_cast<float>(open / samples);
+    });
+    return results;
+}
+
+}  // namespace voxcone

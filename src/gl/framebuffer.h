@@ -75,6 +75,7 @@ struct DrawState {
     bool polygonOffset = false;
     float polygonOffsetFactor = 0, polygonOffsetUnits = 0;
     bool depthClamp = false;
+    int clipDistances = 0;  ///< how many gl_ClipDistance are in force, at most 8
 
     void apply() const;
 };

@@ -1,0 +1,25 @@
+// Depth only. With ALPHA_TEST texels of masked materials below the cut-off are left out, and blended ones are drawn
+// through a screen door: of each 4×4 texels as many as their opacity says (Bayer's matrix), which the shadow filter
+// averages to a part of the light.
+#if ALPHA_TEST
+#include "shared/material.glsl"
+
+in Vertex {
+    vec2 uv0, uv1;
+    float alpha;
+} v;
+
+float screenDoor(ivec2 texel) {
+    const float bayer[16] = float[16](0.0, 8.0, 2.0, 10.0, 12.0, 4.0, 14.0, 6.0, 3.0, 11.0, 1.0, 9.0, 15.0, 7.0, 13.0, 5.0);
+    return (bayer[(texel.x & 3) + 4 * (texel.y & 3)] + 0.5) / 16.0;
+}
+#endif
+
+void main() {
+#if ALPHA_TEST
+    float alpha = b_materials[u_material].baseColor.a * v.alpha;
+    if (materialHas(BASE_COLOR_UNIT)) alpha *= texture(u_baseColorTexture, materialUv(BASE_COLOR_UNIT, v.uv0, v.uv1)).a;
+    float cutoff = materialAlphaMode() == ALPHA_BLEND ? screenDoor(ivec2(gl_FragCoord.xy)) : materialAlphaCutoff();
+    if (alpha < cutoff) discard;
+#endif
+}

@@ -38,6 +38,7 @@ struct MaterialSample {
 
 bool materialHas(int slot) { return (b_materials[u_material].flags.w & (1 << slot)) != 0; }
 bool materialDoubleSided() { return b_materials[u_material].flags.y != 0; }
+bool materialUnlit() { return b_materials[u_material].flags.z != 0; }
 int materialAlphaMode() { return b_materials[u_material].flags.x; }
 float materialAlphaCutoff() { return b_materials[u_material].metallicRoughness.w; }
 
@@ -67,7 +68,7 @@ MaterialSample materialFromTexels(vec4 baseColor, vec4 metallicRoughness, vec4 n
     }
     s.emission = m.emission.rgb;
     if (materialHas(EMISSION_UNIT)) s.emission *= emission.rgb;
-    bool unlit = m.flags.z != 0;
+    bool unlit = materialUnlit();
     if (unlit) s.emission = color.rgb;
     s.baseColor = unlit ? vec3(0.0) : color.rgb;
     s.f0Dielectric = unlit ? vec3(0.0) : m.specular.rgb;

@@ -136,6 +136,7 @@ void DrawState::apply() const {
     set(GL_POLYGON_OFFSET_FILL, polygonOffset);
     glPolygonOffset(polygonOffsetFactor, polygonOffsetUnits);
     set(GL_DEPTH_CLAMP, depthClamp);
+    for (int i = 0; i < 8; ++i) set(GL_CLIP_DISTANCE0 + static_cast<GLenum>(i), i < clipDistances);
     glDisable(GL_BLEND);
     glDisable(GL_SCISSOR_TEST);
     glDisable(GL_STENCIL_TEST);

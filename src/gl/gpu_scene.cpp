@@ -258,6 +258,7 @@ void GpuScene::updateBatches() {
             batch.closed = closed;
             batch.mirrored = mirrored[objects_[first]] != 0;
             batch.alphaMode = material.alphaMode;
+            batch.doubleSided = material.doubleSided;
             batch.emits = material.unlit || material.emits();
             batch.firstIndex = closed ? range.firstClosed : range.firstOpen;
             batch.indexCount = closed ? range.closedCount : range.openCount;

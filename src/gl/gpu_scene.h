@@ -21,6 +21,7 @@ struct Batch {
     bool closed = false;    ///< all triangles belong to watertight, outward-oriented bodies (Mesh::closed)
     bool mirrored = false;  ///< the instances' transforms mirror: front faces wind clockwise in the window
     AlphaMode alphaMode = AlphaMode::opaque;
+    bool doubleSided = false;
     bool emits = false;                            ///< the material emits (emission or unlit)
     std::uint32_t firstIndex = 0, indexCount = 0;  ///< in the index buffer
     std::int32_t baseVertex = 0;

@@ -98,7 +98,8 @@ inline float diffuseAlbedoScale(const Surface& surface, float nDotV) {
 
 /// Share of uniform incoming power that the whole BRDF reflects, diffuse and specular: the albedo of the Lambert
 /// surface that a voxel stores in the material's place. Single-scattering GGX; the fits in roughness are off by less
-/// than 0.003 per unit of f0 and 0.0005 per unit of f90.
+/// than 0.003 per unit of f0 and 0.0005 per unit of f90. At most 1, though glTF's mix of lobes gains up to 0.04 on
+/// white dielectrics.
 inline glm::vec3 voxelAlbedo(const Surface& surface) {
     const float r = std::sqrt(surface.alpha);
     const float scale = 0.953858f + r * (-0.067320f + r * (0.790232f + r * (-2.812090f + r * 1.544472f)));
@@ -106,7 +107,8 @@ inline glm::vec3 voxelAlbedo(const Surface& surface) {
     const float meanSchlickWeight = 0.003685f;  // mean over both directions, as seen by the diffuse lobe
     const float f0 = maxComponent(surface.f0);
     const float transmission = 1 - (f0 + (surface.f90 - f0) * meanSchlickWeight);
-    return surface.diffuseColor * transmission + surface.f0 * scale + glm::vec3(surface.f90 * bias);
+    return glm::min(surface.diffuseColor * transmission + surface.f0 * scale + glm::vec3(surface.f90 * bias),
+                    glm::vec3(1));
 }
 
 }  // namespace voxcone

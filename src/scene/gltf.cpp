@@ -214,6 +214,16 @@ class Loader {
         images_ = file_.document.value("images", json::array());
         file_.document.erase("images");
         file_.document.erase("buffers");
+        // tinygltf refuses the legal case of indices without a bufferView, so it does not see them at all.
+        if (file_.document.contains("meshes")) {
+            for (json& mesh : file_.document["meshes"]) {
+                indicesOf_.emplace_back();
+                for (json& primitive : mesh["primitives"]) {
+                    indicesOf_.back().push_back(primitive.value("indices", -1));
+                    primitive.erase("indices");
+                }
+            }
+        }
         const std::string text = file_.document.dump(-1, ' ', false, json::error_handler_t::replace);
         if (text.size() > UINT32_MAX) fail("", "JSON is larger than 4 GiB");
         tinygltf::TinyGLTF reader;
@@ -347,6 +357,7 @@ class Loader {
         }
         const tinygltf::BufferView& view = model_.bufferViews[image["bufferView"].get<Size>()];
         const Bytes& buffer = buffers_[sizeOf(view.buffer)];
+        if (buffer.size() < view.byteOffset + view.byteLength) fail(path, "is in a buffer that has no data");
         const auto begin = buffer.begin() + static_cast<std::ptrdiff_t>(view.byteOffset);
         return decodeImage(Bytes(begin, begin + static_cast<std::ptrdiff_t>(view.byteLength)), name_, path);
     }
@@ -379,11 +390,10 @@ class Loader {
     // ---- meshes
 
     /// Corners of the primitive's triangles as vertex indices, all in range.
-    std::vector<std::uint32_t> corners(const tinygltf::Primitive& primitive, Size vertexCount,
-                                       const std::string& path) {
+    std::vector<std::uint32_t> corners(int mode, int indexAccessor, Size vertexCount, const std::string& path) {
         std::vector<std::uint32_t> list;
-        if (primitive.indices >= 0) {
-            const Accessor indices(model_, buffers_, primitive.indices, name_);
+        if (indexAccessor >= 0) {
+            const Accessor indices(model_, buffers_, indexAccessor, name_);
             spendCorners(indices.count(), path);
             list.resize(indices.count());
             for (Size i = 0; i < list.size(); ++i) {
@@ -398,7 +408,7 @@ class Loader {
             for (Size i = 0; i < vertexCount; ++i) list[i] = static_cast<std::uint32_t>(i);
         }
 
-        if (primitive.mode == TINYGLTF_MODE_TRIANGLES) {
+        if (mode == TINYGLTF_MODE_TRIANGLES) {
             if (list.size() % 3 != 0) {
                 log::warn("{}: {}: {} indices, the last {} make no triangle", name_, path, list.size(),
                           list.size() % 3);
@@ -411,7 +421,7 @@ class Loader {
         triangles.reserve(3 * (list.size() - 2));
         for (Size i = 0; i + 2 < list.size(); ++i) {
             // glTF 2.0 §3.7.2.1: the strip's odd triangles are turned round, the fan's begin with their own vertices.
-            if (primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP)
+            if (mode == TINYGLTF_MODE_TRIANGLE_STRIP)
                 triangles.insert(triangles.end(), {list[i], list[i + 1 + i % 2], list[i + 2 - i % 2]});
             else
                 triangles.insert(triangles.end(), {list[i + 1], list[i + 2], list[0]});
@@ -446,7 +456,7 @@ class Loader {
             Mesh mesh;
             mesh.name = in.name.empty() ? path : fmt::format("{} ({})", path, printable(in.name));
             mesh.material = primitive.material >= 0 ? primitive.material : defaultMaterial();
-            if (!fillMesh(mesh, primitive, position->second, path)) {
+            if (!fillMesh(mesh, primitive, indicesOf_[meshIndex][k], position->second, path)) {
                 log::warn("{}: {}: has no triangles", name_, path);
                 continue;
             }
@@ -455,9 +465,10 @@ class Loader {
         }
     }
 
-    bool fillMesh(Mesh& mesh, const tinygltf::Primitive& primitive, int positionAccessor, const std::string& path) {
+    bool fillMesh(Mesh& mesh, const tinygltf::Primitive& primitive, int indexAccessor, int positionAccessor,
+                  const std::string& path) {
         const Accessor positions(model_, buffers_, positionAccessor, name_);
-        mesh.indices = corners(primitive, positions.count(), path);
+        mesh.indices = corners(primitive.mode, indexAccessor, positions.count(), path);
         if (mesh.indices.empty()) return false;
 
         auto attribute = [&](const std::string& semantic) {
@@ -737,6 +748,8 @@ class Loader {
     std::vector<Bytes> buffers_;
     std::uint64_t bufferBytes_ = 0, corners_ = 0;
     json images_;
+    std::vector<std::vector<int>> indicesOf_;  ///< by mesh and primitive: accessor of the indices, −1 for none
+
     std::map<std::tuple<int, Wrap, Wrap, bool>, int> textureIndex_;
     std::vector<Size> imageOfTexture_;
     std::vector<std::array<int, 2>> uvSets_;  ///< by material: the file's set behind slots 0 and 1

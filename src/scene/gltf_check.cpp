@@ -206,13 +206,15 @@ class Object {
 
 struct View {
     std::uint64_t byteOffset = 0, byteLength = 0, byteStride = 0;
+    std::size_t buffer = 0;
 };
 
 struct AccessorFacts {
     std::string type;
     int componentType = 0;
     std::uint64_t count = 0;
-    bool normalized = false, hasView = false, sparse = false;
+    bool normalized = false;
+    std::vector<std::int64_t> views;  ///< that its elements are in, sparse ones included
 };
 
 class Checker {
@@ -293,13 +295,14 @@ class Checker {
             buffer.require("byteLength");
             const auto length = static_cast<std::uint64_t>(buffer.integer("byteLength", 0, 1, kMaxSize));
             bufferSizes_.push_back(length);
+            bufferHasData_.push_back(true);
             std::uint64_t present = 0;
             if (buffer.has("uri")) {
                 present = uriSize(file_, buffer.string("uri", ""), buffer.path("uri"));
             } else if (i == 0 && file_.binary) {
                 present = file_.binary->size();
             } else {
-                bufferSizes_.back() = 0;
+                bufferHasData_.back() = false;
                 return;  // legal so long as nobody reads from it
             }
             if (present < length)
@@ -317,7 +320,7 @@ class Checker {
             view.byteLength = static_cast<std::uint64_t>(object.integer("byteLength", 0, 1, kMaxSize));
             view.byteStride = static_cast<std::uint64_t>(object.integer("byteStride", 0, 4, 252));
             if (view.byteStride % 4 != 0) object.refuse("byteStride", "is not a multiple of 4");
-            if (bufferSizes_[buffer] == 0) object.refuse("buffer", fmt::format("buffers[{}] has no data", buffer));
+            view.buffer = buffer;
             if (view.byteOffset + view.byteLength > bufferSizes_[buffer])
                 object.refuse("byteLength",
                               fmt::format("bytes {} to {} reach past buffers[{}] of {} bytes", view.byteOffset,
@@ -355,9 +358,9 @@ class Checker {
                 object.refuse("normalized", "is not allowed for float and unsigned int components");
             const auto offset = static_cast<std::uint64_t>(object.integer("byteOffset", 0, 0, kMaxSize));
             const std::int64_t view = indexOf(object, "bufferView", "bufferViews");
-            facts.hasView = view >= 0;
             const auto alignment = static_cast<std::uint64_t>(componentSize(facts.componentType));
-            if (facts.hasView) {
+            if (view >= 0) {
+                facts.views.push_back(view);
                 const View& v = views_[static_cast<std::size_t>(view)];
                 if (v.byteStride != 0 && v.byteStride < size)
                     object.refuse("bufferView",
@@ -366,13 +369,12 @@ class Checker {
             } else if (facts.count * size > kMaxImplicitBytes) {
                 object.refuse("count", fmt::format("{} elements without data", facts.count));
             }
-            facts.sparse =
-                object.object("sparse", [&](Object& sparse) { checkSparse(sparse, facts, size, alignment); });
+            object.object("sparse", [&](Object& sparse) { checkSparse(sparse, facts, size, alignment); });
             accessors_.push_back(facts);
         });
     }
 
-    void checkSparse(Object& sparse, const AccessorFacts& facts, std::uint64_t size, std::uint64_t alignment) {
+    void checkSparse(Object& sparse, AccessorFacts& facts, std::uint64_t size, std::uint64_t alignment) {
         for (const char* key : {"count", "indices", "values"}) sparse.require(key);
         const auto elements =
             static_cast<std::uint64_t>(sparse.integer("count", 0, 1, static_cast<std::int64_t>(facts.count)));
@@ -383,15 +385,26 @@ class Checker {
             if (type != kUByte && type != kUShort && type != kUInt)
                 indices.refuse("componentType", fmt::format("{} is no index type", type));
             const auto bytes = static_cast<std::uint64_t>(componentSize(static_cast<int>(type)));
-            checkRange(indices, viewOf(indices), offsetOf(indices), elements, bytes, bytes, bytes);
+            checkRange(indices, viewOf(indices, facts), offsetOf(indices), elements, bytes, bytes, bytes);
         });
         sparse.object("values", [&](Object& values) {
             values.require("bufferView");
-            checkRange(values, viewOf(values), offsetOf(values), elements, size, size, alignment);
+            checkRange(values, viewOf(values, facts), offsetOf(values), elements, size, size, alignment);
         });
     }
-    const View& viewOf(Object& object) {
-        return views_[static_cast<std::size_t>(indexOf(object, "bufferView", "bufferViews"))];
+    const View& viewOf(Object& object, AccessorFacts& facts) {
+        facts.views.push_back(indexOf(object, "bufferView", "bufferViews"));
+        return views_[static_cast<std::size_t>(facts.views.back())];
+    }
+    /// The accessor under `key`, whose data somebody is going to read.
+    const AccessorFacts& used(const Object& object, const std::string& key, std::int64_t index) const {
+        const AccessorFacts& accessor = accessors_[static_cast<std::size_t>(index)];
+        for (const std::int64_t view : accessor.views) {
+            const std::size_t buffer = views_[static_cast<std::size_t>(view)].buffer;
+            if (!bufferHasData_[buffer])
+                object.refuse(key, fmt::format("accessors[{}] is in buffers[{}], which has no data", index, buffer));
+        }
+        return accessor;
     }
     std::uint64_t offsetOf(Object& object) {
         return static_cast<std::uint64_t>(object.integer("byteOffset", 0, 0, kMaxInt));
@@ -488,7 +501,7 @@ class Checker {
     void checkAttribute(Object& attributes, const std::string& semantic, std::uint64_t& vertexCount) {
         const std::int64_t index = indexOf(attributes, semantic, "accessors");
         if (index < 0) return;
-        const AccessorFacts& accessor = accessors_[static_cast<std::size_t>(index)];
+        const AccessorFacts& accessor = used(attributes, semantic, index);
         const int c = accessor.componentType;
         const bool isFloat = c == kFloat;
         const bool unsignedNorm = accessor.normalized && (c == kUByte || c == kUShort);
@@ -537,15 +550,13 @@ class Checker {
                 });
                 const std::int64_t indices = indexOf(primitive, "indices", "accessors");
                 if (indices < 0) return;
-                const AccessorFacts& accessor = accessors_[static_cast<std::size_t>(indices)];
+                const AccessorFacts& accessor = used(primitive, "indices", indices);
                 const int c = accessor.componentType;
                 if (accessor.type != "SCALAR" || accessor.normalized || (c != kUByte && c != kUShort && c != kUInt))
                     primitive.refuse("indices",
                                      fmt::format("accessors[{}] is {}{} of component type {}, not unsigned "
                                                  "scalars",
                                                  indices, accessor.normalized ? "normalized " : "", accessor.type, c));
-                if (!accessor.hasView)
-                    primitive.refuse("indices", fmt::format("accessors[{}] has no bufferView", indices));
             });
         });
     }
@@ -685,7 +696,8 @@ class Checker {
                 if (interpolation != "LINEAR" && interpolation != "STEP" && interpolation != "CUBICSPLINE")
                     sampler.refuse("interpolation",
                                    fmt::format("'{}' is not LINEAR, STEP or CUBICSPLINE", printable(interpolation)));
-                const AccessorFacts& input = accessors_[static_cast<std::size_t>(samplers.back().input)];
+                const AccessorFacts& input = used(sampler, "input", samplers.back().input);
+                used(sampler, "output", samplers.back().output);
                 if (input.type != "SCALAR" || input.componentType != kFloat)
                     sampler.refuse("input", "times are not float scalars");
                 if (interpolation == "CUBICSPLINE" && input.count < 2)
@@ -739,6 +751,7 @@ class Checker {
     bool quantized_ = false;
     std::map<std::string, std::size_t> counts_;
     std::vector<std::uint64_t> bufferSizes_;
+    std::vector<bool> bufferHasData_;
     std::vector<View> views_;
     std::vector<AccessorFacts> accessors_;
     std::size_t lightCount_ = 0;

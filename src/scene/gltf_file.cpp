@@ -54,7 +54,9 @@ json parseJson(const std::string& file, const char* begin, const char* end) {
         if (const auto cut = reason.find(": "); cut != std::string::npos) reason = reason.substr(cut + 2);
         throw InputError(file, fmt::format("line {} (byte {})", line, e.byte), "JSON " + printable(reason));
     } catch (const json::exception& e) {
-        throw InputError(file, "", "JSON cannot be read: " + printable(e.what()));
+        // "[json.exception.out_of_range.406] number overflow parsing '1e309'"
+        const std::string reason = e.what();
+        throw InputError(file, "", "JSON has a " + printable(reason.substr(reason.find("] ") + 2)));
     }
 }
 

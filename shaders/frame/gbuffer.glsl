@@ -1,0 +1,61 @@
+// Reads the G-buffer (src/frame/gbuffer.h). GBuffer::bind sets all uniforms. Positions are relative to the scene's origin.
+#include "shared/brdf.glsl"
+#include "shared/octahedral.glsl"
+
+uniform usampler2D u_gbufferSurface;
+uniform sampler2D u_gbufferBaseColor;
+uniform sampler2D u_gbufferSpecular;
+#ifdef GBUFFER_EMISSION
+uniform sampler2D u_gbufferEmission;
+#endif
+uniform vec3 u_cameraPosition;
+uniform mat3 u_cameraRays;  // times (x, y, 1) of a place in the window in pixels: ray of length 1 along the view
+
+struct GBufferSample {
+    bool hit;              // false: background; then only toEye means something
+    float viewDepth;       // distance along the view, metres
+    vec3 position;
+    vec3 toEye;            // unit
+    vec3 normal;           // unit, shading, towards the eye's side of the triangle
+    vec3 geometricNormal;  // unit, of the triangle, towards the eye
+    vec3 baseColor;
+    float metallic;
+    float roughness;
+    vec3 emission;         // radiance W/(m² sr)
+    Surface surface;       // reflects nothing for unlit materials
+};
+
+ivec2 gbufferSize() { return textureSize(u_gbufferSurface, 0); }
+
+// Position alone, for filters that compare neighbours; distance 0 is background.
+float gbufferViewDepth(ivec2 pixel) { return uintBitsToFloat(texelFetch(u_gbufferSurface, pixel, 0).w); }
+vec3 gbufferNormal(ivec2 pixel) { return unpackOctahedral(texelFetch(u_gbufferSurface, pixel, 0).x); }
+vec3 gbufferRay(ivec2 pixel) { return u_cameraRays * vec3(vec2(pixel) + 0.5, 1.0); }
+
+GBufferSample loadGBuffer(ivec2 pixel) {
+    GBufferSample s;
+    uvec4 words = texelFetch(u_gbufferSurface, pixel, 0);
+    vec3 ray = gbufferRay(pixel);
+    s.viewDepth = uintBitsToFloat(words.w);
+    s.hit = s.viewDepth > 0.0;
+    s.position = u_cameraPosition + ray * s.viewDepth;
+    s.toEye = -normalize(ray);
+    s.normal = unpackOctahedral(words.x);
+    s.geometricNormal = unpackOctahedral(words.y);
+    vec2 metallicRoughness = unpackUnorm2x16(words.z);
+    s.metallic = metallicRoughness.x;
+    s.roughness = metallicRoughness.y;
+    vec4 baseColor = texelFetch(u_gbufferBaseColor, pixel, 0);
+    vec4 specular = texelFetch(u_gbufferSpecular, pixel, 0);
+    s.baseColor = baseColor.rgb;
+    s.surface.diffuseColor = s.baseColor * ((1.0 - s.metallic) * specular.a);
+    s.surface.f0 = mix(specular.rgb, s.baseColor, s.metallic) * specular.a;
+    s.surface.f90 = mix(baseColor.a, 1.0, s.metallic) * specular.a;
+    s.surface.alpha = clamp(s.roughness * s.roughness, kMinAlpha, 1.0);
+#ifdef GBUFFER_EMISSION
+    s.emission = texelFetch(u_gbufferEmission, pixel, 0).rgb;
+#else
+    s.emission = vec3(0.0);
+#endif
+    return s;
+}

@@ -23,11 +23,15 @@ inline std::size_t editDistance(const std::string& a, const std::string& b) {
     return row.back();
 }
 
-/// The word of `words` (not empty) that is nearest to `word`; the first of several.
+/// The word of `words` (not empty) that is nearest to `word`; the first of several. An abbreviation counts as one letter
+/// away from the whole.
 inline std::string nearestWord(const std::vector<std::string>& words, const std::string& word) {
-    return *std::min_element(words.begin(), words.end(), [&](const std::string& a, const std::string& b) {
-        return editDistance(a, word) < editDistance(b, word);
-    });
+    const auto distance = [&](const std::string& candidate) {
+        const bool abbreviation = word.size() > 1 && candidate.starts_with(word);
+        return abbreviation ? std::size_t{1} : editDistance(candidate, word);
+    };
+    return *std::min_element(words.begin(), words.end(),
+                             [&](const std::string& a, const std::string& b) { return distance(a) < distance(b); });
 }
 
 }  // namespace voxcone

@@ -1,0 +1,296 @@
+// Capture scripts: what they give, and what is said about wrong ones.
+#include "capture/script.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+
+namespace voxcone {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const fs::path kAssets = fs::path(VOXCONE_SOURCE_DIR) / "assets";
+
+/// A glTF with one triangle and two cameras; `emissive` and `light` are added on demand.
+json triangleScene(bool emissive, bool camera) {
+    json scene = json::parse(R"({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+        "materials": [{"name": "m"}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0,0,0], "max": [1,1,0]}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36,
+            "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
+    if (emissive) scene["materials"][0]["emissiveFactor"] = {1, 1, 1};
+    if (camera) {
+        scene["cameras"] =
+            json::parse(R"([{"name": "left", "type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}},
+                                           {"name": "right", "type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}])");
+        scene["nodes"].push_back({{"camera", 0}, {"translation", {0, 0, 3}}});
+        scene["nodes"].push_back({{"camera", 1}, {"translation", {1, 0, 3}}});
+        scene["scenes"][0]["nodes"] = {0, 1, 2};
+    }
+    return scene;
+}
+
+class Script : public testing::Test {
+  protected:
+    Script() {
+        fs::create_directories(folder_);
+        write("scene.gltf", triangleScene(false, true).dump());
+        script_ = json::parse(R"({ "version": 1, "scene": "scene.gltf",
+            "environment": {"color": [1, 2, 3], "intensity": 2, "rotation_deg": 90},
+            "lights": [
+              {"type": "directional", "direction": [0, -2, 0], "intensity": 3},
+              {"type": "point", "position": [1, 2, 3], "intensity": [1, 1, 1], "range": 7},
+              {"type": "spot", "position": [0, 1, 0], "direction": [0, -1, 0], "intensity": [1, 1, 1],
+               "inner_cone_deg": 10, "outer_cone_deg": 30},
+              {"type": "sphere", "position": [0, 1.8, 0], "radius": 0.1, "intensity": [4, 4, 4]},
+              {"type": "rectangle", "position": [0, 2, 0], "direction": [0, -1, 0], "up": [0, 3, 1], "width": 2, "height": 1,
+               "intensity": [5, 5, 5]}],
+            "settings": {"preset": "fast", "output": {"width": 64, "height": 36}},
+            "shots": [
+              {"name": "a", "camera": {"position": [0, 1, 3], "target": [0, 1, 0], "fov_deg": 50}, "channels": ["beauty", "ao"]},
+              {"name": "b", "camera": {"scene_camera": "right"}, "channels": ["depth"], "frames": 3},
+              {"name": "c", "camera": {"scene_camera": 0}, "channels": ["voxel_opacity"]}]})");
+    }
+    ~Script() override { fs::remove_all(folder_); }
+
+    void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
+
+    CaptureScript load() {
+        write("script.json", script_.dump(1));
+        return loadCaptureScript(folder_ / "script.json");
+    }
+
+    /// The message without the folder, or "" when the script loads.
+    std::string messageOf(const fs::path& file) {
+        try {
+            loadCaptureScript(file);
+            return "";
+        } catch (const InputError& error) {
+            std::string line = error.what();
+            EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+            const std::string folder = folder_.string() + "/";
+            return line.starts_with(folder) ? line.substr(folder.size()) : line;
+        }
+    }
+
+    /// The message after `value` was put at the JSON pointer `at`.
+    std::string with(const char* at, const json& value) {
+        const json before = script_;
+        script_[json::json_pointer(at)] = value;
+        write("script.json", script_.dump(1));
+        script_ = before;
+        return messageOf(folder_ / "script.json");
+    }
+
+    std::string without(const char* parent, const char* key) {
+        const json before = script_;
+        script_[json::json_pointer(parent)].erase(key);
+        write("script.json", script_.dump(1));
+        script_ = before;
+        return messageOf(folder_ / "script.json");
+    }
+
+    fs::path folder_ = fs::temp_directory_path() / ("voxcone_script_" + std::to_string(getpid()));
+    json script_;
+};
+
+TEST_F(Script, GivesSceneLightsEnvironmentSettingsAndShots) {
+    const CaptureScript script = load();
+    EXPECT_EQ(script.scene.triangleCount(), 1u);
+    EXPECT_EQ(script.scene.environment.color, glm::vec3(2, 4, 6));
+    EXPECT_EQ(script.scene.environment.rotationDeg, 90);
+    ASSERT_EQ(script.scene.lights.size(), 5u);
+    const auto& lights = script.scene.lights;
+    EXPECT_EQ(lights[0].type, LightType::directional);
+    EXPECT_EQ(lights[0].direction, glm::dvec3(0, -1, 0));
+    EXPECT_EQ(lights[0].intensity, glm::vec3(3));
+    EXPECT_EQ(lights[1].range, 7);
+    EXPECT_NEAR(lights[2].outerConeAngle, 0.5236, 1e-4);
+    EXPECT_NEAR(lights[2].innerConeAngle, 0.17453, 1e-4);
+    EXPECT_EQ(lights[3].radius, 0.1);
+    EXPECT_EQ(lights[3].position, glm::dvec3(0, 1.8, 0));
+    EXPECT_EQ(lights[4].up, glm::dvec3(0, 0, 1));  // made perpendicular to the direction
+    EXPECT_EQ(lights[4].width, 2);
+    EXPECT_EQ(script.settings.output.width, 64);
+    EXPECT_EQ(script.settings.cone.diffuse, 6);
+    ASSERT_EQ(script.shots.size(), 3u);
+    EXPECT_THAT(script.shots[0].channels, ElementsAre("beauty", "ao"));
+    EXPECT_EQ(script.shots[0].camera.verticalFovDeg, 50);
+    EXPECT_EQ(script.shots[0].frames, 1);
+    EXPECT_EQ(script.shots[1].camera.name, "right");
+    EXPECT_EQ(script.shots[1].frames, 3);
+    EXPECT_EQ(script.shots[2].camera.name, "left");
+}
+
+TEST_F(Script, SyntaxErrorsHaveLineAndColumn) {
+    write("s.json", "{ \"version\": 1,\n  \"scene\": }\n");
+    EXPECT_THAT(messageOf(folder_ / "s.json"), StartsWith("s.json: line 2, column 12: not valid JSON: "));
+    write("s.json", "");
+    EXPECT_THAT(messageOf(folder_ / "s.json"), StartsWith("s.json: line 1, column 1: not valid JSON: "));
+    write("s.json", "{ \"version\": 1e999 }");
+    EXPECT_THAT(messageOf(folder_ / "s.json"), HasSubstr("not valid JSON"));
+    write("s.json", "{ \"version\": 1, \"version\": 1 }");
+    EXPECT_THAT(messageOf(folder_ / "s.json"), HasSubstr("\"version\" stands twice"));
+    write("s.json", "[1, 2]");
+    EXPECT_THAT(messageOf(folder_ / "s.json"), HasSubstr("must be an object, is an array"));
+}
+
+TEST_F(Script, UnknownKeysNameTheNearestRightOne) {
+    EXPECT_THAT(with("/shoots", 1),
+                AllOf(StartsWith("script.json: shoots: unknown key"), HasSubstr("did you mean \"shots\"?")));
+    EXPECT_THAT(with("/shots/1/chanels", 1),
+                AllOf(StartsWith("script.json: shots[1].chanels: "), HasSubstr("did you mean \"channels\"?")));
+    EXPECT_THAT(with("/shots/0/camera/fov", 1),
+                AllOf(StartsWith("script.json: shots[0].camera.fov: "), HasSubstr("\"fov_deg\"")));
+    EXPECT_THAT(with("/lights/3/radios", 1),
+                AllOf(StartsWith("script.json: lights[3].radios: "), HasSubstr("\"radius\"")));
+    EXPECT_THAT(with("/lights/1/radius", 1), HasSubstr("unknown key"));  // a point light has none
+    EXPECT_THAT(with("/environment/colour", 1), HasSubstr("environment.colour: unknown key; did you mean \"color\"?"));
+    EXPECT_THAT(with("/settings/voxels", 1), StartsWith("script.json: settings.voxels: "));
+}
+
+TEST_F(Script, MissingKeysAreNamed) {
+    EXPECT_EQ(without("", "version"), "script.json: version: is missing");
+    EXPECT_EQ(without("", "scene"), "script.json: scene: is missing");
+    EXPECT_EQ(without("", "shots"), "script.json: shots: is missing");
+    EXPECT_EQ(without("/shots/0", "camera"), "script.json: shots[0].camera: is missing");
+    EXPECT_EQ(without("/shots/0", "channels"), "script.json: shots[0].channels: is missing");
+    EXPECT_EQ(without("/shots/0/camera", "target"), "script.json: shots[0].camera.target: is missing");
+    EXPECT_EQ(without("/lights/3", "radius"), "script.json: lights[3].radius: is missing");
+    EXPECT_EQ(without("/lights/0", "intensity"), "script.json: lights[0].intensity: is missing");
+    EXPECT_EQ(without("", "lights"), "");
+    EXPECT_EQ(without("", "environment"), "");
+    EXPECT_EQ(without("", "settings"), "");
+}
+
+TEST_F(Script, WrongTypesAndRangesAreNamed) {
+    EXPECT_THAT(with("/version", 2), StartsWith("script.json: version: 2 is not supported"));
+    EXPECT_THAT(with("/version", "1"), StartsWith("script.json: version: must be a number, is a string"));
+    EXPECT_THAT(with("/scene", "none.gltf"), StartsWith("script.json: scene: no such file: "));
+    EXPECT_THAT(with("/scene", nullptr), StartsWith("script.json: scene: must be a string, is null"));
+    EXPECT_THAT(with("/lights", json::object()), StartsWith("script.json: lights: must be an array"));
+    EXPECT_THAT(with("/lights/0", 5), StartsWith("script.json: lights[0]: must be an object"));
+    EXPECT_THAT(with("/lights/0/type", "spote"),
+                AllOf(StartsWith("script.json: lights[0].type: "), HasSubstr("\"spot\"")));
+    EXPECT_THAT(with("/lights/0/direction", {0, 0, 0}),
+                StartsWith("script.json: lights[0].direction: must not be zero"));
+    EXPECT_THAT(with("/lights/0/direction", {0, 0}), HasSubstr("array of 3 numbers"));
+    EXPECT_THAT(with("/lights/0/direction", {0, "x", 0}),
+                StartsWith("script.json: lights[0].direction[1]: must be a number"));
+    EXPECT_THAT(with("/lights/0/intensity", -1), StartsWith("script.json: lights[0].intensity: -1 is out of range"));
+    EXPECT_THAT(with("/lights/2/outer_cone_deg", 120), HasSubstr("0 to 90 degrees"));
+    EXPECT_THAT(with("/lights/2/inner_cone_deg", 40), HasSubstr("must be below outer_cone_deg"));
+    EXPECT_THAT(with("/lights/3/radius", 0), StartsWith("script.json: lights[3].radius: must be above 0"));
+    EXPECT_THAT(with("/lights/4/up", {0, 1, 0}), StartsWith("script.json: lights[4].up: must not be parallel"));
+    EXPECT_THAT(with("/environment/image", "a.hdr"), HasSubstr("either \"image\" or \"color\""));
+    EXPECT_THAT(with("/environment", json::object()), HasSubstr("either \"image\" or \"color\""));
+    EXPECT_THAT(with("/environment", {{"image", "absent.hdr"}}), HasSubstr("absent.hdr"));
+    EXPECT_THAT(with("/shots", json::array()), StartsWith("script.json: shots: must be an array with at least one"));
+    EXPECT_THAT(with("/shots/0/camera/fov_deg", 180),
+                StartsWith("script.json: shots[0].camera.fov_deg: 180 is out of range"));
+    EXPECT_THAT(with("/shots/0/camera/target", {0, 1, 3}), HasSubstr("must differ from position"));
+    EXPECT_THAT(with("/shots/0/camera/up", {0, 0, 1}),
+                StartsWith("script.json: shots[0].camera.up: must not be parallel"));
+    EXPECT_THAT(with("/shots/0/channels", json::array()), HasSubstr("at least one channel"));
+    EXPECT_THAT(with("/shots/0/channels/1", "aoo"),
+                AllOf(StartsWith("script.json: shots[0].channels[1]: "), HasSubstr("\"ao\"")));
+    EXPECT_THAT(with("/shots/0/channels/1", "beauty"), HasSubstr("twice"));
+    EXPECT_THAT(with("/shots/0/frames", 0), StartsWith("script.json: shots[0].frames: 0 is out of range"));
+    EXPECT_THAT(with("/shots/0/frames", 1.5), HasSubstr("whole number"));
+    EXPECT_THAT(with("/shots/1/name", "a"), StartsWith("script.json: shots[1].name: \"a\" is another shot's name"));
+    for (const char* name : {"", "..", "a/b", "a b", ".hidden"})
+        EXPECT_THAT(with("/shots/0/name", name), StartsWith("script.json: shots[0].name: ")) << name;
+    EXPECT_THAT(with("/shots/1/camera/scene_camera", "rigth"),
+                AllOf(HasSubstr("no camera \"rigth\""), HasSubstr("\"left\", \"right\"")));
+    EXPECT_THAT(with("/shots/1/camera/scene_camera", 2), HasSubstr("0 to 1"));
+    EXPECT_THAT(with("/settings/output/width", -5), StartsWith("script.json: settings.output.width: "));
+}
+
+TEST_F(Script, WhatLaterVersionsDoIsRefusedClearly) {
+    EXPECT_THAT(with("/shots/0/camera", {{"path", json::array()}}), HasSubstr("camera paths are not supported"));
+    EXPECT_THAT(with("/lights/0/path", json::array()), HasSubstr("animated lights are not supported"));
+}
+
+TEST_F(Script, BareSceneUsesItsCameraAndGetsASunOnlyWhenDark) {
+    const CaptureScript dark = loadCaptureScript(folder_ / "scene.gltf");
+    ASSERT_EQ(dark.shots.size(), 1u);
+    EXPECT_EQ(dark.shots[0].camera.name, "left");
+    ASSERT_EQ(dark.scene.lights.size(), 1u);
+    EXPECT_EQ(dark.scene.lights[0].type, LightType::directional);
+    EXPECT_FALSE(dark.scene.environment.black());
+
+    write("glow.gltf", triangleScene(true, false).dump());
+    const CaptureScript glow = loadCaptureScript(folder_ / "glow.gltf");
+    EXPECT_TRUE(glow.scene.lights.empty());
+    EXPECT_TRUE(glow.scene.environment.black());
+    // The camera that was made up sees every corner of the scene's box.
+    const glm::dmat4 view = viewMatrix(glow.shots[0].camera);
+    for (const glm::dvec3& corner : {glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0)}) {
+        const glm::dvec4 p = view * glm::dvec4(corner, 1);
+        EXPECT_LT(p.z, 0);
+        EXPECT_LT(std::abs(p.y / p.z), std::tan(glm::radians(glow.shots[0].camera.verticalFovDeg / 2)));
+        EXPECT_LT(std::abs(p.x / p.z), std::tan(glm::radians(glow.shots[0].camera.verticalFovDeg / 2)));
+    }
+}
+
+TEST_F(Script, OtherFilesAreRefused) {
+    write("a.txt", "x");
+    EXPECT_THAT(messageOf(folder_ / "a.txt"), HasSubstr("neither a capture script (.json) nor a scene"));
+    EXPECT_EQ(messageOf(folder_ / "absent.json"), "absent.json: no such file");
+    fs::create_directories(folder_ / "folder.json");
+    EXPECT_THAT(messageOf(folder_ / "folder.json"), HasSubstr("is a folder"));
+}
+
+TEST(Assets, EveryCaptureScriptLoads) {
+    int scripts = 0;
+    for (const auto& entry : fs::directory_iterator(kAssets / "captures")) {
+        if (entry.path().extension() != ".json") continue;
+        const CaptureScript script = loadCaptureScript(entry.path());
+        EXPECT_GT(script.scene.triangleCount(), 0u) << entry.path();
+        ++scripts;
+    }
+    EXPECT_GE(scripts, 5);
+}
+
+// Solids are solids: light can never see their insides. Only the room of the Cornell box and cloth are sheets.
+TEST(Assets, SolidsAreClosed) {
+    for (const char* name : {"basic", "furnace", "leak", "atrium"}) {
+        const CaptureScript script = loadCaptureScript(kAssets / "captures" / (std::string(name) + ".json"));
+        for (const Mesh& mesh : script.scene.meshes) {
+            const bool cloth = script.scene.materials[static_cast<std::size_t>(mesh.material)].doubleSided;
+            EXPECT_THAT(mesh.closed, testing::Each(cloth ? 0 : 1)) << name << " " << mesh.name;
+        }
+    }
+}
+
+TEST(Assets, SceneFactsAreAsDocumented) {
+    const auto size = [](const char* name) {
+        return loadCaptureScript(kAssets / "captures" / (std::string(name) + ".json")).scene.bounds().size();
+    };
+    EXPECT_NEAR(size("cornell").y, 5.488, 1e-4);
+    EXPECT_NEAR(size("cornell").z, 5.592, 1e-4);
+    EXPECT_NEAR(size("atrium").x, 30, 0.5);
+    EXPECT_NEAR(size("atrium").y, 12, 0.5);
+    EXPECT_NEAR(size("atrium").z, 18, 0.5);
+    const CaptureScript atrium = loadCaptureScript(kAssets / "captures/atrium.json");
+    EXPECT_GE(atrium.scene.triangleCount(), 20000u);
+    EXPECT_LE(atrium.scene.triangleCount(), 60000u);
+}
+
+}  // namespace
+}  // namespace voxcone

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "core/error.h"
@@ -22,7 +23,7 @@ constexpr double kSmallLightOfDiagonal = 1.0 / 64;
 /// Spot lights wider than this half-angle are seen through a cube: one perspective view would waste its middle.
 constexpr double kWidestSpot = 1.0;
 /// Sample points of a rectangle, about.
-constexpr int kRectangleSamples = 9;
+constexpr int kRectangleSamples = 12;
 constexpr int kSmallestTile = 64;  // texels
 /// Texels of the atlas at most (half a gibibyte).
 constexpr std::int64_t kMaxAtlasTexels = std::int64_t{1} << 27;
@@ -96,8 +97,8 @@ struct Builder {
             const dvec3 p = dvec3(corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
                                   corner & 4 ? bounds.max.z : bounds.min.z) -
                             center;
-            half = glm::max(half, glm::abs(dvec3(glm::dot(p, frame.right), glm::dot(p, frame.up),
-                                                 glm::dot(p, frame.forward))));
+            half = glm::max(
+                half, glm::abs(dvec3(glm::dot(p, frame.right), glm::dot(p, frame.up), glm::dot(p, frame.forward))));
         }
         const double depthHalf = 1.01 * std::max(half.z, kNearOfDiagonal * diagonal);
         const double planeHalf = std::max({half.x, half.y, kNearOfDiagonal * diagonal});
@@ -112,15 +113,19 @@ struct Builder {
     }
 };
 
-/// Sample points of a sphere light: the corners of an octahedron. Six points at ρ with a blur of variance r²/24 (a disc
-/// of a sixth of the area) have, in every direction, the variance r²/4 of a uniform disc: ρ² = 3(1/4 − 1/24)r².
+/// Sample points of a sphere light: the corners of an icosahedron at kSphereSampleRadius, which look much alike from
+/// everywhere. From any side a uniform disc has the variance r²/4 along an axis, the points have ρ²/3, and the square
+/// of half-edge s that each stands for has s²/3: so s² = 3r²/4 − ρ².
+constexpr double kSphereSampleRadius = 0.8;
+
 std::vector<dvec3> sphereSamples(const dvec3& center, double radius) {
-    const double rho = std::sqrt(0.625) * radius;
+    const dvec3 corner = kSphereSampleRadius * radius * glm::normalize(dvec3(0, 1, std::numbers::phi));
     std::vector<dvec3> points;
     for (int axis = 0; axis < 3; ++axis) {
-        for (const double sign : {1.0, -1.0}) {
+        for (int signs = 0; signs < 4; ++signs) {
             dvec3 p(0);
-            p[axis] = sign * rho;
+            p[(axis + 1) % 3] = signs & 1 ? -corner.y : corner.y;
+            p[(axis + 2) % 3] = signs & 2 ? -corner.z : corner.z;
             points.push_back(center + p);
         }
     }
@@ -233,7 +238,7 @@ LightLayout layoutAt(const std::vector<Light>& lights, const Bounds& worldBounds
                 stratum = std::sqrt(0.75) * light.radius;
                 if (2 * light.radius > kSmallLightOfDiagonal * builder.diagonal) {
                     points = sphereSamples(position, light.radius);
-                    stratum /= std::sqrt(6.0);
+                    stratum = std::sqrt(0.75 - kSphereSampleRadius * kSphereSampleRadius) * light.radius;
                 }
                 break;
             case LightType::rectangle:

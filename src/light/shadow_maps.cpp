@@ -32,8 +32,8 @@ void ShadowMaps::layOut(const gl::GpuScene& scene) {
     if (layout_.lights.empty()) return;
     lightBuffer_ = gl::Buffer::of(layout_.lights);
     // Lights of a scene without geometry have no views, but the block must be backed.
-    viewBuffer_ = layout_.views.empty() ? gl::Buffer::of(std::vector<ShadowViewRecord>(1))
-                                        : gl::Buffer::of(layout_.views);
+    viewBuffer_ =
+        layout_.views.empty() ? gl::Buffer::of(std::vector<ShadowViewRecord>(1)) : gl::Buffer::of(layout_.views);
     const int width = std::max(layout_.atlasWidth, 1), height = std::max(layout_.atlasHeight, 1);
     if (atlas_ && atlas_.width() == width && atlas_.height() == height) return;
     atlas_ = {};

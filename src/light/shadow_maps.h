@@ -23,15 +23,15 @@ constexpr int kShadowViewStorage = 4;
 constexpr int kShadowCompareUnit = 14;
 constexpr int kShadowDepthUnit = 15;
 
-/// One depth atlas for all lights, drawn when something moved. Both sides of every surface cast shadows; masked materials
-/// where they are opaque, blended ones as a screen door of their opacity.
+/// One depth atlas for all lights, drawn when something moved. Both sides of every surface cast shadows; masked
+/// materials where they are opaque, blended ones as a screen door of their opacity.
 class ShadowMaps {
   public:
     /// Compiles nothing and allocates nothing yet: update() does, for the lights that exist.
     ShadowMaps(const gl::Context& context, const gl::ShaderLibrary& shaders, const Settings::Light& settings);
 
-    /// Brings lights and maps to the time and origin of `scene`; does nothing when they have not changed since. The draw
-    /// is the pass "shadow_maps". True when maps were drawn. Throws DeviceError when they do not fit in memory.
+    /// Brings lights and maps to the time and origin of `scene`; does nothing when they have not changed since. The
+    /// draw is the pass "shadow_maps". True when maps were drawn. Throws DeviceError when they do not fit in memory.
     bool update(const gl::GpuScene& scene, gl::PassTimers& timers);
 
     /// Draws again with the next update(), for timing.
@@ -40,8 +40,8 @@ class ShadowMaps {
     /// Lights of the last update. Without any, programs need not include lights.glsl, and bind() must not be called.
     int lightCount() const { return static_cast<int>(layout_.lights.size()); }
 
-    /// For programs that include shaders/light/lights.glsl: binds records and atlas, sets u_lightCount. unbind() after the
-    /// draw or dispatch frees the raw look-up's unit of its sampler.
+    /// For programs that include shaders/light/lights.glsl: binds records and atlas, sets u_lightCount. unbind() after
+    /// the draw or dispatch frees the raw look-up's unit of its sampler.
     void bind(gl::Program& program) const;
     void unbind() const;
 

@@ -66,8 +66,8 @@ std::vector<glm::vec2> specularAlbedoTable(int size) {
     for (int y = 0; y < size; ++y) {
         const double roughness = (y + 0.5) / size;
         for (int x = 0; x < size; ++x) {
-            table.push_back(specularAlbedo((x + 0.5) / size, std::max<double>(roughness * roughness, kMinAlpha),
-                                           kSamples));
+            table.push_back(
+                specularAlbedo((x + 0.5) / size, std::max<double>(roughness * roughness, kMinAlpha), kSamples));
         }
     }
     return table;

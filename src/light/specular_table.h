@@ -12,8 +12,9 @@ namespace voxcone {
 /// Edge of the table.
 constexpr int kSpecularTableSize = 32;
 
-/// (A, B) with  ∫ f_s(v, l) n·l dl = f0·A + f90·B  for the GGX lobe with Schlick's Fresnel: A = ∫ (1−w) …, B = ∫ w … with
-/// w = (1 − v·h)⁵. `cosTheta` = n·v in (0,1], `alpha` GGX width in [kMinAlpha,1]. Integrated over `samples` visible normals.
+/// (A, B) with  ∫ f_s(v, l) n·l dl = f0·A + f90·B  for the GGX lobe with Schlick's Fresnel: A = ∫ (1−w) …, B = ∫ w …
+/// with w = (1 − v·h)⁵. `cosTheta` = n·v in (0,1], `alpha` GGX width in [kMinAlpha,1]. Integrated over `samples`
+/// visible normals.
 glm::dvec2 specularAlbedo(double cosTheta, double alpha, int samples);
 
 /// `size`² texels of specularAlbedo, cosTheta along x, roughness = √alpha along y, both at texel centres (i + ½)/size.

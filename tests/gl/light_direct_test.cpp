@@ -66,7 +66,8 @@ const glm::vec3 kUp(0, 1, 0);
 
 class LightDirect : public GlTest {};
 
-// ------------------------------------------------------------------------------------------------------------ closed forms
+// ------------------------------------------------------------------------------------------------------------ closed
+// forms
 
 TEST_F(LightDirect, DirectionalIsLamberts) {
     LightLab lab(floorWith(directional({0.6, -0.8, 0}, 3)));
@@ -139,7 +140,7 @@ TEST_F(LightDirect, SphereCutByTheHorizon) {  // B6 with D/r = 2: E = I·F/r²
 TEST_F(LightDirect, RectangleFormFactors) {
     LightLab lab(floorWith(panel({0, 1, 0}, 2, 2)));
     const std::vector<glm::vec3> e = lab.irradiance({{{0, 0, 0}, kUp}, {{1, 0, 1}, kUp}, {{0, 2, 0}, -kUp}});
-    EXPECT_NEAR(e[0].x, kPi * 0.554126, 1e-4);                // C1, centre
+    EXPECT_NEAR(e[0].x, kPi * 0.554126, 1e-4);  // C1, centre
     EXPECT_NEAR(lab.unshadowed({{{1, 0, 1}, kUp}})[0].x, e[1].x, 1e-5);
     EXPECT_EQ(e[2].x, 0) << "one-sided";
 
@@ -165,7 +166,8 @@ TEST_F(LightDirect, RectangleFormFactors) {
     EXPECT_NEAR(tall.unshadowed({{{0, 0, 0}, kUp}})[0].x, kPi * 0.0581339, 1e-4);
 }
 
-// ---------------------------------------------------------------------------------------------------------------- shadows
+// ----------------------------------------------------------------------------------------------------------------
+// shadows
 
 /// Whether the segment from `p` to `q` meets the inside of the box of boxOnFloor.
 bool boxBetween(const dvec3& p, const dvec3& q) {
@@ -233,7 +235,8 @@ TEST_F(LightDirect, ShadowOfTheSun) {
     LightLab lab(boxOnFloor(directional(direction)));
     const double tolerance = (1.5 + 1) * texelOnFloor(lab, 0, -direction.y);
     EXPECT_LT(tolerance, 0.06);
-    expectSharpShadow(lab, [&](const dvec3& p) { return p - 100.0 * direction; }, tolerance);
+    expectSharpShadow(
+        lab, [&](const dvec3& p) { return p - 100.0 * direction; }, tolerance);
 }
 
 TEST_F(LightDirect, ShadowOfASpot) {
@@ -252,7 +255,8 @@ TEST_F(LightDirect, ShadowOfASpot) {
         bool near = false;
         for (int k = 0; k < 16; ++k) {
             const double angle = 2 * kPi * k / 16;
-            near |= boxBetween(r.position + tolerance * dvec3(std::cos(angle), 0, std::sin(angle)), position) != blocked;
+            near |=
+                boxBetween(r.position + tolerance * dvec3(std::cos(angle), 0, std::sin(angle)), position) != blocked;
         }
         if (!near) {
             ASSERT_EQ(seen, blocked ? 0.0 : 1.0) << r.position.x << ", " << r.position.z;
@@ -265,7 +269,8 @@ TEST_F(LightDirect, ShadowOfAPoint) {
     LightLab lab(boxOnFloor(at(LightType::point, position)));
     const double tolerance = (1.5 + 1) * texelOnFloor(lab, 6, 0.5);
     EXPECT_LT(tolerance, 0.08);
-    expectSharpShadow(lab, [&](const dvec3&) { return position; }, tolerance);
+    expectSharpShadow(
+        lab, [&](const dvec3&) { return position; }, tolerance);
 }
 
 TEST_F(LightDirect, WideSpotSeesAllSides) {
@@ -306,45 +311,47 @@ double visibleFraction(const Light& light, const dvec3& p, int count) {
     return seen / all;
 }
 
-/// Compares the soft shadow on the floor with brute force: RMS and largest error.
-void expectSoftShadow(const Light& light, double rmsBound, double largestBound) {
+/// Compares the soft shadow on the floor with brute force: RMS and 99th percentile of the error. (The worst points are
+/// next to the box, where the first surface that the light meets is not the one whose edge casts the penumbra.)
+void expectSoftShadow(const Light& light, double rmsBound, double p99Bound) {
     LightLab lab(boxOnFloor(light));
     std::vector<Receiver> receivers = floorGrid(3, 100);
     // Not below the box.
-    std::erase_if(receivers, [](const Receiver& r) {
-        return std::abs(r.position.x) < 0.55 && std::abs(r.position.z) < 0.55;
-    });
+    std::erase_if(receivers,
+                  [](const Receiver& r) { return std::abs(r.position.x) < 0.55 && std::abs(r.position.z) < 0.55; });
     const std::vector<double> seen = lab.visibility(receivers);
-    double sum = 0, largest = 0;
-    int umbra = 0, penumbra = 0;
+    double sum = 0;
+    int penumbra = 0;
+    std::vector<double> errors;
     for (std::size_t i = 0; i < receivers.size(); ++i) {
         const double expected = visibleFraction(light, receivers[i].position, 24);
-        if (expected == 0) ++umbra;
         if (expected > 0.02 && expected < 0.98) ++penumbra;
         const double error = std::abs(seen[i] - expected);
         sum += error * error;
-        largest = std::max(largest, error);
+        errors.push_back(error);
     }
     const double rms = std::sqrt(sum / static_cast<double>(receivers.size()));
+    std::sort(errors.begin(), errors.end());
+    const double p99 = errors[errors.size() * 99 / 100];
     testing::Test::RecordProperty("rms", std::to_string(rms));
-    testing::Test::RecordProperty("largest", std::to_string(largest));
+    testing::Test::RecordProperty("p99", std::to_string(p99));
     EXPECT_GT(penumbra, 300);
     EXPECT_LT(rms, rmsBound);
-    EXPECT_LT(largest, largestBound);
+    EXPECT_LT(p99, p99Bound);
 }
 
 TEST_F(LightDirect, SoftShadowOfASphere) {
-    expectSoftShadow(sphereLight({-2, 3, 0.5}, 0.5), 0.02, 0.2);
+    expectSoftShadow(sphereLight({-2, 3, 0.5}, 0.5), 0.015, 0.08);
 }
 
 TEST_F(LightDirect, SoftShadowOfASmallSphere) {  // one sample point and a blocker search
     const Light light = sphereLight({-2, 3, 0.5}, 0.2);
     EXPECT_EQ(LightLab(boxOnFloor(light)).maps().layout().lights[0].samples, 1u);
-    expectSoftShadow(light, 0.03, 0.3);
+    expectSoftShadow(light, 0.02, 0.1);
 }
 
 TEST_F(LightDirect, SoftShadowOfARectangle) {
-    expectSoftShadow(panel({-1.5, 3, 0.5}, 1.2, 0.8), 0.02, 0.2);
+    expectSoftShadow(panel({-1.5, 3, 0.5}, 1.2, 0.8), 0.015, 0.06);
 }
 
 TEST_F(LightDirect, EdgeOfADiscIsK1) {
@@ -367,10 +374,8 @@ TEST_F(LightDirect, EdgeOfADiscIsK1) {
 TEST_F(LightDirect, NoAcne) {
     // Planes turned at random, and grazing light: nothing is in the way, so everything is exactly visible.
     std::vector<Light> lights = {directional({std::sin(80 * kPi / 180), -std::cos(80 * kPi / 180), 0}),
-                                 directional({-0.1, -1, 0.05}),
-                                 at(LightType::point, {-9, 1, 3}),
-                                 sphereLight({-5, 1, 2}, 0.4),
-                                 panel({2, 2, 1}, 2, 1)};
+                                 directional({-0.1, -1, 0.05}), at(LightType::point, {-9, 1, 3}),
+                                 sphereLight({-5, 1, 2}, 0.4), panel({2, 2, 1}, 2, 1)};
     Light spot = at(LightType::spot, {-9, 1.5, 0});
     spot.direction = glm::normalize(dvec3(9, -1.5, 0));
     spot.innerConeAngle = 0.5;
@@ -417,26 +422,35 @@ TEST_F(LightDirect, NoAcneOnASphere) {
 }
 
 TEST_F(LightDirect, NoLeakUnderABox) {
-    for (const Light& light : {directional({0.5, -1, 0.2}), directional({1, -0.3, 0.2}),
-                               at(LightType::point, {-2, 3, 0.5}), sphereLight({-2, 3, 0.5}, 0.3),
-                               panel({-1, 3, 0}, 1, 1)}) {
+    // Nothing reaches the floor below a box that stands on it, from as near to its edge as the filter looks: the corner
+    // of its square, a texel further, along the floor.
+    struct Case {
+        Light light;
+        double distance, cosine;
+    };
+    for (const auto& [light, distance, cosine] :
+         {Case{directional({0.5, -1, 0.2}), 0, 0.88}, Case{directional({1, -0.3, 0.2}), 0, 0.28},
+          Case{at(LightType::point, {-2, 3, 0.5}), 4, 0.75}, Case{sphereLight({-2, 3, 0.5}, 0.3), 4, 0.65},
+          Case{panel({-1, 3, 0}, 1, 1), 3.6, 0.8}}) {
         LightLab lab(boxOnFloor(light));
-        std::vector<Receiver> receivers = floorGrid(0.46, 60);
-        for (const glm::vec3& e : lab.irradiance(receivers)) {
+        const double inside = 0.5 - std::sqrt(2) * (1.5 + 1) * texelOnFloor(lab, distance, cosine);
+        EXPECT_GT(inside, 0.3);
+        for (const glm::vec3& e : lab.irradiance(floorGrid(inside, 60))) {
             ASSERT_EQ(e.x, 0) << "light type " << static_cast<int>(light.type);
         }
     }
 }
 
-// --------------------------------------------------------------------------------------------------------------- invariance
+// ---------------------------------------------------------------------------------------------------------------
+// invariance
 
 std::vector<Light> oneOfEach() {
     Light spot = at(LightType::spot, {-3, 4, 0.5}, 8);
     spot.direction = glm::normalize(dvec3(3, -4, -0.5));
     spot.innerConeAngle = 0.5;
     spot.outerConeAngle = 0.7;
-    return {directional({0.5, -1, 0.2}), at(LightType::point, {-2, 3, 0.5}, 8), spot,
-            sphereLight({-2, 3, 0.5}, 0.5, 8), panel({-1, 3, 0.25}, 1, 0.5)};
+    return {directional({0.5, -1, 0.2}), at(LightType::point, {-2, 3, 0.5}, 8), spot, sphereLight({-2, 3, 0.5}, 0.5, 8),
+            panel({-1, 3, 0.25}, 1, 0.5)};
 }
 
 TEST_F(LightDirect, ScaledSceneIsIdentical) {
@@ -482,7 +496,8 @@ TEST_F(LightDirect, TranslatedSceneIsIdentical) {
     }
 }
 
-// -------------------------------------------------------------------------------------------------------------- the maps
+// -------------------------------------------------------------------------------------------------------------- the
+// maps
 
 TEST_F(LightDirect, AlphaCastsItsPartOfAShadow) {
     const auto seenThrough = [](AlphaMode mode, float alpha) {
@@ -496,11 +511,11 @@ TEST_F(LightDirect, AlphaCastsItsPartOfAShadow) {
                          .build());
         double sum = 0;
         const std::vector<double> seen = lab.visibility(floorGrid(1, 30));
-        for (const double v : seen) sum += v / static_cast<double>(seen.size());
-        return sum;
+        for (const double v : seen) sum += v;
+        return sum / static_cast<double>(seen.size());
     };
     EXPECT_EQ(seenThrough(AlphaMode::opaque, 0.2f), 0);
-    EXPECT_EQ(seenThrough(AlphaMode::mask, 0.2f), 1);
+    EXPECT_DOUBLE_EQ(seenThrough(AlphaMode::mask, 0.2f), 1);
     EXPECT_EQ(seenThrough(AlphaMode::mask, 0.7f), 0);
     EXPECT_NEAR(seenThrough(AlphaMode::blend, 0.25f), 0.75, 0.01);
     EXPECT_NEAR(seenThrough(AlphaMode::blend, 0.8125f), 0.1875, 0.01);

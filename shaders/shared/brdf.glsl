@@ -85,7 +85,7 @@ float diffuseAlbedoScale(Surface surface, float nDotV) {
 }
 
 // Share of uniform incoming power that the whole BRDF reflects: the albedo of the Lambert surface that a voxel stores.
-// The fits in roughness are off by less than 0.003 per unit of f0 and 0.0005 per unit of f90.
+// The fits in roughness are off by less than 0.003 per unit of f0 and 0.0005 per unit of f90. At most 1, though glTF's mix of lobes gains up to 0.04 on white dielectrics.
 vec3 voxelAlbedo(Surface surface) {
     float r = sqrt(surface.alpha);
     float scale = 0.953858 + r * (-0.067320 + r * (0.790232 + r * (-2.812090 + r * 1.544472)));
@@ -93,7 +93,7 @@ vec3 voxelAlbedo(Surface surface) {
     const float meanSchlickWeight = 0.003685;
     float f0 = maxComponent(surface.f0);
     float transmission = 1.0 - (f0 + (surface.f90 - f0) * meanSchlickWeight);
-    return surface.diffuseColor * transmission + surface.f0 * scale + vec3(surface.f90 * bias);
+    return min(surface.diffuseColor * transmission + surface.f0 * scale + vec3(surface.f90 * bias), vec3(1.0));
 }
 
 #endif

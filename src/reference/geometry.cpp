@@ -89,6 +89,7 @@ Geometry::Geometry(const Scene& scene, double time) : scene_(&scene) {
     const glm::dvec3 half = 0.5 * bounds.size();
     const double extent = std::max(half.x, std::max(half.y, half.z));
     if (extent > 0) space_.scale = std::exp2(-std::ceil(std::log2(extent)));
+    space_.halfExtent = glm::vec3(half * space_.scale);
 
     device_ = rtcNewDevice(nullptr);
     VOXCONE_CHECK(device_ != nullptr, "Embree error {}", static_cast<int>(rtcGetDeviceError(nullptr)));
@@ -250,7 +251,7 @@ Hit Geometry::pointOn(std::uint32_t instanceIndex, std::uint32_t triangle, float
 
 float Geometry::offset(const glm::vec3& position, const glm::vec3& normal, const glm::vec3& magnitude) {
     // The first term is the error across the plane, the second keeps a ray off planes through the origin.
-    return kPositionError * (glm::dot(glm::abs(normal), magnitude) + 0.1f * maxComponent(glm::abs(position)));
+    return kPositionError * (glm::dot(glm::abs(normal), magnitude) + 1e-3f * maxComponent(glm::abs(position)));
 }
 
 float Geometry::area(std::uint32_t instance, std::uint32_t triangle) const {

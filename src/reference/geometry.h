@@ -17,7 +17,8 @@ namespace voxcone {
 /// World to path tracing space and back.
 struct TracingSpace {
     glm::dvec3 origin{0};
-    double scale = 1;  ///< a power of two
+    double scale = 1;         ///< a power of two
+    glm::vec3 halfExtent{0};  ///< of the scene's bounds, in tracing space
 
     glm::vec3 fromWorld(const glm::dvec3& p) const { return glm::vec3((p - origin) * scale); }
     glm::dvec3 toWorld(const glm::vec3& p) const { return origin + glm::dvec3(p) / scale; }

@@ -264,8 +264,9 @@ LightSample Emitters::sampleTriangle(const glm::vec3& origin, const glm::vec2& u
     const Hit hit = geometry_->pointOn(chosen.instance, chosen.triangle, p.x, p.y);
     const glm::vec3 exact = hit.position - origin;
     const float height = -glm::dot(exact, hit.normal);
-    // Just before the triangle, on the side the receiver is on.
-    const glm::vec3 target = exact + std::copysign(hit.offset, height) * hit.normal;
+    // Just before the triangle, on the side the receiver is on, farther than the end of the shadow ray is in error.
+    const float clearance = hit.offset + Geometry::offset(exact, hit.normal, glm::abs(origin) + glm::abs(exact));
+    const glm::vec3 target = exact + std::copysign(clearance, height) * hit.normal;
     const float d2 = glm::dot(target, target);
     if (!(d2 > 0)) return sample;
     sample.direction = target / std::sqrt(d2);

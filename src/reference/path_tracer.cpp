@@ -449,13 +449,16 @@ std::vector<PathTracer::ProbeResult> PathTracer::probe(const std::vector<Probe>&
     std::vector<ProbeResult> results(probes.size());
     const int samples = settings.reference.samples;
     tbb::parallel_for(std::size_t{0}, probes.size(), [&](std::size_t k) {
+        const TracingSpace& space = impl_->geometry.space();
         const glm::vec3 normal = glm::normalize(probes[k].normal);
-        const glm::vec3 position = impl_->geometry.space().fromWorld(probes[k].position);
+        const glm::vec3 position = space.fromWorld(probes[k].position);
+        // The triangle it lies on is not known: it may be as large as the scene.
+        const glm::vec3 magnitude = glm::max(glm::abs(position), space.halfExtent);
         // A white Lambert surface turns irradiance E into radiance E/π.
         Surface white;
         white.diffuseColor = glm::vec3(1);
-        const Vertex vertex{position + Geometry::offset(position, normal, glm::abs(position)) * normal, normal, normal,
-                            normal, white};
+        const Vertex vertex{position + Geometry::offset(position, normal, magnitude) * normal, normal, normal, normal,
+                            white};
         const std::uint32_t seed =
             hashCombine(hashBits(static_cast<std::uint32_t>(settings.reference.seed)), static_cast<std::uint32_t>(k));
         glm::dvec3 direct(0), indirect(0);

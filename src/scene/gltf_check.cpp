@@ -377,7 +377,7 @@ class Checker {
     void checkSparse(Object& sparse, AccessorFacts& facts, std::uint64_t size, std::uint64_t alignment) {
         for (const char* key : {"count", "indices", "values"}) sparse.require(key);
         const auto elements =
-            static_cast<std::uint64_t>(sparse.integer("count", 0, 1, static_cast<std::int64_t>(facts.count)));
+            static_cast<std::uint64_t>(sparse.integer("count", 1, 1, static_cast<std::int64_t>(facts.count)));
         sparse.object("indices", [&](Object& indices) {
             indices.require("bufferView");
             indices.require("componentType");

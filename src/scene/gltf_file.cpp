@@ -44,7 +44,7 @@ json parseJson(const std::string& file, const char* begin, const char* end) {
                 throw InputError(file, "", fmt::format("JSON is nested deeper than {} levels", kMaxDepth));
             return true;
         });
-        if (!document.is_object()) throw InputError(file, "", "the JSON root is not an object");
+        if (!document.is_object()) throw InputError(file, "line 1", "the JSON root is not an object");
         return document;
     } catch (const json::parse_error& e) {
         const char* place = begin + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(e.byte), end - begin);

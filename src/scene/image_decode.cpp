@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 
 #include "core/error.h"
@@ -25,11 +26,51 @@ const char* readerName(const std::vector<std::uint8_t>& bytes) {
     return "";
 }
 
+std::uint32_t bigEndian(const std::uint8_t* p) {
+    return std::uint32_t{p[0]} << 24 | std::uint32_t{p[1]} << 16 | std::uint32_t{p[2]} << 8 | p[3];
+}
+
+/// CRC-32 of ISO 3309, as PNG's annex D gives it.
+std::uint32_t crc32(const std::uint8_t* bytes, std::size_t count) {
+    static const std::array<std::uint32_t, 256> kTable = [] {
+        std::array<std::uint32_t, 256> table{};
+        for (std::uint32_t n = 0; n < 256; ++n) {
+            table[n] = n;
+            for (int bit = 0; bit < 8; ++bit) table[n] = table[n] & 1 ? 0xEDB88320u ^ table[n] >> 1 : table[n] >> 1;
+        }
+        return table;
+    }();
+    std::uint32_t crc = ~0u;
+    for (std::size_t i = 0; i < count; ++i) crc = kTable[(crc ^ bytes[i]) & 255] ^ crc >> 8;
+    return ~crc;
+}
+
+/// Refuses PNGs with cut or corrupt critical chunks. libpng would too, but it prints lines of its own while it does.
+void checkPng(const std::vector<std::uint8_t>& bytes, const std::string& file, const std::string& jsonPath) {
+    constexpr std::size_t kFrame = 12;  // length, type and checksum around a chunk's data
+    for (std::size_t offset = 8;;) {
+        if (bytes.size() - offset < kFrame) throw InputError(file, jsonPath, "image is damaged: PNG is cut short");
+        const std::uint8_t* chunk = bytes.data() + offset;
+        const std::size_t length = bigEndian(chunk);
+        if (length > bytes.size() - offset - kFrame)
+            throw InputError(file, jsonPath,
+                             fmt::format("image is damaged: PNG is cut short in the chunk at byte {}", offset));
+        const std::string_view type(reinterpret_cast<const char*>(chunk + 4), 4);
+        const bool critical = (chunk[4] & 0x20) == 0;
+        if (critical && crc32(chunk + 4, length + 4) != bigEndian(chunk + 8 + length))
+            throw InputError(file, jsonPath,
+                             fmt::format("image is damaged: wrong checksum of the PNG chunk at byte {}", offset));
+        if (type == "IEND") return;
+        offset += length + kFrame;
+    }
+}
+
 }  // namespace
 
 DecodedImage decodeImage(const std::vector<std::uint8_t>& bytes, const std::string& file, const std::string& jsonPath) {
     const std::string name = readerName(bytes);
     if (name.empty()) throw InputError(file, jsonPath, "is neither PNG nor JPEG");
+    if (name == "image.png") checkPng(bytes, file, jsonPath);
 
     OIIO::Filesystem::IOMemReader memory(bytes.data(), bytes.size());
     OIIO::ImageSpec config;

@@ -136,10 +136,8 @@ float windowDepth(ShadowView view, float z) {
     return clamp(depth, 0.0, 1.0);
 }
 
-// Share of a light's sample point that `pos` sees, in [0,1]. n: unit geometric normal, on the light's side.
-// `stratum`: half the edge of the square of light that the sample stands for; 0 for a point.
-// `slack`: uncertainty of pos along n in metres (0 for exact positions).
-// `wide`: the shadow of this sample stands alone, so that a wide penumbra needs more taps.
+// Share of a light's sample point that `pos` sees, in [0,1]. normal: unit, geometric, on the light's side.
+// `slack`: uncertainty of pos along the normal in metres (0 for exact positions).
 //
 // Bias: each tap of the filter is compared with the receiver's tangent plane, met exactly by the tap's ray, after the
 // plane was lifted along n by √2 texels (their width at the receiver). A bilinear look-up compares texels up to one texel
@@ -147,7 +145,7 @@ float windowDepth(ShadowView view, float z) {
 // of h changes depth by h/cosθ. So h = √2·texel is enough at every angle and, being measured along the normal, never grows
 // at grazing angles. Only the depth is lifted, not the place of the look-up: shadow edges do not move. Everything is
 // relative to texels: no scale of the scene enters.
-float sampleVisibility(ShadowView view, vec3 pos, vec3 normal, float stratum, float slack, bool wide) {
+float sampleVisibility(Light light, ShadowView view, vec3 pos, vec3 normal, float slack) {
     vec3 n = vec3(dot(normal, view.right), dot(normal, view.up), dot(normal, view.forward));
     vec3 offset = pos - view.origin;
     vec3 p = vec3(dot(offset, view.right), dot(offset, view.up), dot(offset, view.forward));
@@ -164,15 +162,25 @@ float sampleVisibility(ShadowView view, vec3 pos, vec3 normal, float stratum, fl
     // The receiver's own depth on the lifted plane.
     float most = perspective ? p.z * (lifted / min(c, -1e-30)) : p.z + lift / min(n.z, -1e-6);
 
-    float kernel = view.filterRadius;
+    // The filter hides the stairs of one map; maps of several sample points also hide each other's.
+    float kernel = view.filterRadius * inversesqrt(float(light.samples));
+    int taps = 2;
+    // What lies behind a rectangle's plane cannot shadow it: taps that look there, or touch texels that do, do not count.
+    vec3 axis = vec3(0.0);
+    float above = 0.0;
+    if (light.type == LIGHT_RECTANGLE) {
+        axis = vec3(dot(light.direction, view.right), dot(light.direction, view.up), dot(light.direction, view.forward));
+        above = view.texel;
+    }
+    float stratum = light.stratumSize;
     if (stratum > 0.0) {
         // Percentage-closer soft shadows (Fernando 2005) for the stratum: where blockers are, on average, makes the width
         // of the penumbra (row K2). Blockers nearer to the light than a fifth of the way are searched too narrowly.
-        float reach = min(4.0 * stratum / (p.z * view.texel), view.maxKernel);
-        reach = max(reach, kernel);
+        float reach = max(min(4.0 * stratum / (p.z * view.texel), view.maxKernel), kernel);
         float sum = 0.0, count = 0.0;
         for (int i = 0; i < 4; ++i) {
             vec2 t = t0 + (vec2(i & 1, i >> 1) - 0.5) * (reach * view.texel);
+            if (dot(axis, vec3(t, 1.0)) < above) continue;
             float limit = windowDepth(view, planeDepth(view, n, lifted, t, most));
             vec4 depths = textureGather(u_shadowDepth, view.tileCenter + t * view.scale * view.tileHalfSize);
             vec4 blocked = vec4(lessThan(depths, vec4(limit)));
@@ -185,18 +193,26 @@ float sampleVisibility(ShadowView view, vec3 pos, vec3 normal, float stratum, fl
             float penumbra = stratum * max(p.z - blocker, 0.0) / (p.z * blocker * view.texel);
             kernel = clamp(penumbra, kernel, view.maxKernel);
         }
+        // A sample that stands alone needs more steps in a wide penumbra; far from any, one look-up does.
+        if (count == 0.0 || count == 16.0) {
+            taps = 1;
+        } else if (light.samples == 1u && kernel > 2.0) {
+            taps = 4;
+        }
     }
 
-    // Taps in the middle of the strata of a box of half-width `kernel`; each is a bilinear comparison of a texel's width.
-    int taps = wide && kernel > 2.0 ? 4 : 2;
-    float lit = 0.0;
+    // Taps in the middle of the strata of a square of half-width `kernel`; each is a bilinear comparison of a texel's
+    // width.
+    float lit = 0.0, valid = 0.0;
     for (int i = 0; i < taps * taps; ++i) {
         vec2 place = (vec2(i % taps, i / taps) + 0.5) / float(taps) * 2.0 - 1.0;
         vec2 t = t0 + place * (kernel * view.texel);
+        if (dot(axis, vec3(t, 1.0)) < above) continue;
         float limit = windowDepth(view, planeDepth(view, n, lifted, t, most));
         lit += textureLod(u_shadowMap, vec3(view.tileCenter + t * view.scale * view.tileHalfSize, limit), 0.0);
+        valid += 1.0;
     }
-    return lit / float(taps * taps);
+    return valid > 0.0 ? lit / valid : 1.0;
 }
 
 // Face of the cube in the light's frame (right, up, direction) that looks along d: forward, right, left, up, down,
@@ -234,9 +250,8 @@ LightSample lightSample(Light light, uint index, vec3 pos, vec3 geometric, vec3 
     s.visibility = 0.0;
     if (s.share > 0.0 && dot(geometric, s.toLight) > 0.0) {
         uint face = light.faces == 1u ? 0u : cubeFace(light, -offset);
-        s.visibility = face < light.faces ? sampleVisibility(b_shadowViews[first + face], pos, geometric,
-                                                             light.stratumSize, slack, light.samples == 1u)
-                                          : 0.0;
+        s.visibility =
+            face < light.faces ? sampleVisibility(light, b_shadowViews[first + face], pos, geometric, slack) : 0.0;
     }
     return s;
 }

@@ -10,8 +10,8 @@
 
 namespace voxcone {
 
-/// Names of the picture channels in the order of the documentation: beauty, direct, indirect_diffuse, indirect_specular,
-/// ao, soft_shadow, emission, albedo, normal, depth, position, and voxel views.
+/// Names of the picture channels in the order of the documentation: beauty, direct, indirect_diffuse,
+/// indirect_specular, ao, soft_shadow, emission, albedo, normal, depth, position, and voxel views.
 const std::vector<std::string>& channelNames();
 
 struct Shot {
@@ -22,14 +22,14 @@ struct Shot {
 };
 
 struct CaptureScript {
-    Scene scene;        ///< loaded, with the script's lights and environment added
+    Scene scene;  ///< loaded, with the script's lights and environment added
     Settings settings;
     std::vector<Shot> shots;
 };
 
-/// Loads a script (.json), or a scene (.gltf, .glb) with one default shot: its first camera, or one that sees all of it, and
-/// its lights, or a sun and sky when it has neither lights nor emitters. Every key is checked: unknown keys, wrong types and
-/// values out of range are InputErrors with file and JSON path.
+/// Loads a script (.json), or a scene (.gltf, .glb) with one default shot: its first camera, or one that sees all of
+/// it, and its lights, or a sun and sky when it has neither lights nor emitters. Every key is checked: unknown keys,
+/// wrong types and values out of range are InputErrors with file and JSON path.
 CaptureScript loadCaptureScript(const std::filesystem::path& file);
 
 }  // namespace voxcone

@@ -1,0 +1,71 @@
+// voxcone info: the device, its limits, what a scene holds and what of it is modelled.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "app/commands.h"
+#include "capture/capture.h"
+#include "capture/output.h"
+#include "frame/renderer.h"
+#include "gl/context.h"
+
+namespace voxcone {
+
+using nlohmann::json;
+
+namespace {
+
+/// Key and value a line; objects are indented.
+void print(const json& tree, int indent) {
+    for (const auto& [key, value] : tree.items()) {
+        if (value.is_object()) {
+            fmt::print("{:{}}{}{}\n", "", indent, key, value.empty() ? "  none" : "");
+            print(value, indent + 2);
+        } else {
+            fmt::print("{:{}}{:<{}} {}\n", "", indent, key, 26 - indent,
+                       value.is_string() ? value.get<std::string>() : value.dump());
+        }
+    }
+}
+
+}  // namespace
+
+Command infoCommand(CLI::App& app) {
+    struct Options : ScriptOptions {
+        bool json = false;
+    };
+    const auto options = std::make_shared<Options>();
+    CLI::App* parser =
+        app.add_subcommand("info", "Device and limits; with a scene its facts and what of it is modelled");
+    options->addTo(*parser, false);
+    parser->add_flag("--json", options->json, "print JSON");
+    return {parser, "voxcone info [SCRIPT.json|SCENE.gltf] [--json] [--set KEY=VALUE]…", [options] {
+                json out;
+                std::optional<CaptureScript> script;
+                if (!options->file.empty()) script = options->load();
+                const auto context = gl::Context::createHeadless(false);
+                out["device"] = describeDevice(context->info());
+                if (script) {
+                    out["scene"] = describeScene(script->scene);
+                    const Renderer renderer(*context, script->scene, script->settings);
+                    out["left_out"] = json::array();
+                    for (const LeftOut& item : renderer.leftOut())
+                        out["left_out"].push_back({{"what", item.what}, {"why", item.why}});
+                }
+                if (options->json) {
+                    fmt::print("{}\n", out.dump(2));
+                    return 0;
+                }
+                const json leftOut = out.value("left_out", json::array());
+                out.erase("left_out");
+                print(out, 0);
+                if (script) fmt::print("left_out{}\n", leftOut.empty() ? "  nothing" : "");
+                for (const json& item : leftOut)
+                    fmt::print("  {}: {}\n", item["what"].get<std::string>(), item["why"].get<std::string>());
+                return 0;
+            }};
+}
+
+}  // namespace voxcone

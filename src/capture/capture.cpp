@@ -1,0 +1,83 @@
+#include "capture/capture.h"
+
+#include "capture/output.h"
+#include "core/progress.h"
+#include "frame/renderer.h"
+#include "gl/context.h"
+
+namespace voxcone {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+json frameJson(const FrameStats& stats, int frame, double time) {
+    json passes = json::array(), memory = json::array();
+    std::uint64_t bytes = 0;
+    for (const FrameStats::Pass& pass : stats.passes)
+        passes.push_back({{"name", pass.name}, {"ms", pass.milliseconds}});
+    for (const FrameStats::Memory& item : stats.memory) {
+        memory.push_back({{"name", item.name}, {"bytes", item.bytes}});
+        bytes += item.bytes;
+    }
+    return {{"frame", frame},   {"time_s", time},   {"timer", stats.timer},  {"frame_ms", stats.frameMilliseconds},
+            {"passes", passes}, {"memory", memory}, {"memory_bytes", bytes}, {"counts", stats.counts}};
+}
+
+}  // namespace
+
+json describeDevice(const gl::DeviceInfo& info) {
+    return {{"vendor", info.vendor},
+            {"renderer", info.renderer},
+            {"version", info.version},
+            {"glsl_version", info.glslVersion},
+            {"platform", info.platform},
+            {"software_rasterizer", info.softwareRasterizer},
+            {"limits",
+             {{"texture_2d", info.max2DTextureSize},
+              {"texture_3d", info.max3DTextureSize},
+              {"texture_cube", info.maxCubeSize},
+              {"array_layers", info.maxArrayLayers},
+              {"ssbo_bytes", info.maxSsboBytes},
+              {"compute_image_uniforms", info.maxImageUniforms},
+              {"fragment_image_uniforms", info.maxFragmentImageUniforms},
+              {"texture_units", info.maxTextureUnits},
+              {"compute_invocations", info.maxComputeInvocations},
+              {"geometry_invocations", info.maxGeometryInvocations},
+              {"draw_buffers", info.maxDrawBuffers}}}};
+}
+
+std::vector<fs::path> runCapture(const CaptureScript& script, gl::Context& context, const fs::path& out) {
+    ShotWriter writer(out);
+    Renderer renderer(context, script.scene, script.settings);
+    Progress progress("capture " + script.scene.file.stem().string());
+    int frames = 0, done = 0;
+    for (const Shot& shot : script.shots) frames += shot.frames;
+
+    // Shaders are compiled by their first use: that frame is not measured.
+    renderer.render(worldCamera(script.shots.front().camera, script.scene.worldMatrices()));
+    for (const Shot& shot : script.shots) {
+        json stats = statsHead("capture", script, shot);
+        stats["device"] = describeDevice(context.info());
+        stats["frames"] = json::array();
+        renderer.invalidate();
+        for (int frame = 0; frame < shot.frames; ++frame) {
+            const double time = timeOf(script.scene, frame);
+            if (!script.scene.animations.empty()) renderer.setTime(time);
+            renderer.render(worldCamera(shot.camera, script.scene.worldMatrices(time)));
+            context.checkErrors();
+            stats["frames"].push_back(frameJson(renderer.stats(), frame, time));
+            for (const std::string& channel : shot.channels) {
+                const Image image = renderer.channel(channel);
+                writer.channel(shot, channel, frame, image,
+                               channel == "beauty" ? renderer.display() : pictureOf(channel, image, script.settings));
+            }
+            progress.update(static_cast<double>(++done) / frames);
+        }
+        writer.stats(shot, stats);
+    }
+    return writer.take();
+}
+
+}  // namespace voxcone

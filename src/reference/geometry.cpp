@@ -18,56 +18,69 @@ struct RayContext {
     std::uint32_t seed;
 };
 
-float linearFromSrgb8(std::uint8_t value) {
-    static const std::array<float, 256> table = [] {
-        std::array<float, 256> t{};
-        for (std::size_t k = 0; k < t.size(); ++k) {
-            const double s = static_cast<double>(k) / 255;
-            t[k] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
-        }
-        return t;
-    }();
-    return table[value];
-}
-
-int wrapped(int i, int size, Wrap wrap) {
-    switch (wrap) {
-        case Wrap::clamp_to_edge:
-            return std::clamp(i, 0, size - 1);
-        case Wrap::mirrored_repeat: {
-            const int period = 2 * size;
-            const int k = ((i % period) + period) % period;
-            return k < size ? k : period - 1 - k;
-        }
-        default:
-            return ((i % size) + size) % size;
+const std::array<float, 256> kLinearFromSrgb8 = [] {
+    std::array<float, 256> table{};
+    for (std::size_t k = 0; k < table.size(); ++k) {
+        const double s = static_cast<double>(k) / 255;
+        table[k] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
     }
-}
+    return table;
+}();
 
-glm::vec4 fetch(const Texture& texture, int x, int y, bool srgb) {
-    const auto column = static_cast<std::size_t>(wrapped(x, texture.width, texture.wrapS));
-    const auto row = static_cast<std::size_t>(wrapped(y, texture.height, texture.wrapT));
-    const std::uint8_t* p = texture.rgba8.data() + 4 * (row * static_cast<std::size_t>(texture.width) + column);
-    const float alpha = static_cast<float>(p[3]) / 255;
-    if (srgb) return {linearFromSrgb8(p[0]), linearFromSrgb8(p[1]), linearFromSrgb8(p[2]), alpha};
-    return {static_cast<float>(p[0]) / 255, static_cast<float>(p[1]) / 255, static_cast<float>(p[2]) / 255, alpha};
+/// The two texels around a coordinate along one axis, and the weight of the second.
+struct TexelPair {
+    int first, second;
+    float weight;
+};
+
+TexelPair texelPair(float coordinate, int size, Wrap wrap, bool nearest) {
+    float t = coordinate;
+    switch (wrap) {
+        case Wrap::repeat:
+            t -= std::floor(t);
+            break;
+        case Wrap::mirrored_repeat:
+            t -= 2 * std::floor(0.5f * t);
+            break;
+        case Wrap::clamp_to_edge:
+            t = std::min(t, 1.0f);
+            break;
+    }
+    if (!(t >= 0)) t = 0;  // negative under clamping, NaN of an infinite coordinate
+    const float p = t * static_cast<float>(size) - (nearest ? 0.0f : 0.5f), low = std::floor(p);
+    const auto fold = [&](int k) {
+        const int period = wrap == Wrap::mirrored_repeat ? 2 * size : size;
+        if (wrap == Wrap::clamp_to_edge) return std::clamp(k, 0, size - 1);
+        if (k < 0) k += period;
+        if (k >= period) k -= period;
+        return k < size ? k : 2 * size - 1 - k;
+    };
+    const int k = static_cast<int>(low);
+    return {fold(k), fold(k + 1), nearest ? 0.0f : p - low};
 }
 
 // Level 0, bilinear unless the texture asks for nearest.
 glm::vec4 sampleTexture(const Texture& texture, const glm::vec2& uv, bool srgb) {
-    // Whole periods (two for mirroring) are taken off first: the float-to-int conversion below must not overflow.
-    const glm::vec2 reduced = uv - 2.0f * glm::floor(uv * 0.5f);
-    const glm::vec2 kept(texture.wrapS == Wrap::clamp_to_edge ? glm::clamp(uv.x, -1.0f, 2.0f) : reduced.x,
-                         texture.wrapT == Wrap::clamp_to_edge ? glm::clamp(uv.y, -1.0f, 2.0f) : reduced.y);
-    const glm::vec2 size(static_cast<float>(texture.width), static_cast<float>(texture.height));
-    if (texture.nearest) {
-        const glm::vec2 p = glm::floor(kept * size);
-        return fetch(texture, static_cast<int>(p.x), static_cast<int>(p.y), srgb);
-    }
-    const glm::vec2 p = kept * size - 0.5f, low = glm::floor(p), f = p - low;
-    const int x = static_cast<int>(low.x), y = static_cast<int>(low.y);
-    return glm::mix(glm::mix(fetch(texture, x, y, srgb), fetch(texture, x + 1, y, srgb), f.x),
-                    glm::mix(fetch(texture, x, y + 1, srgb), fetch(texture, x + 1, y + 1, srgb), f.x), f.y);
+    const TexelPair x = texelPair(uv.x, texture.width, texture.wrapS, texture.nearest);
+    const TexelPair y = texelPair(uv.y, texture.height, texture.wrapT, texture.nearest);
+    glm::vec4 sum(0);
+    const auto add = [&](int column, int row, float weight) {
+        const std::uint8_t* p =
+            texture.rgba8.data() + 4 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(texture.width) +
+                                        static_cast<std::size_t>(column));
+        const float byte = weight / 255;
+        if (srgb)
+            sum += glm::vec4(weight * kLinearFromSrgb8[p[0]], weight * kLinearFromSrgb8[p[1]],
+                             weight * kLinearFromSrgb8[p[2]], byte * static_cast<float>(p[3]));
+        else
+            sum += byte * glm::vec4(p[0], p[1], p[2], p[3]);
+    };
+    add(x.first, y.first, (1 - x.weight) * (1 - y.weight));
+    if (texture.nearest) return sum;
+    add(x.second, y.first, x.weight * (1 - y.weight));
+    add(x.first, y.second, (1 - x.weight) * y.weight);
+    add(x.second, y.second, x.weight * y.weight);
+    return sum;
 }
 
 template <class T>

@@ -68,6 +68,8 @@ class Emitters {
     bool empty() const { return triangleShare_ == 0 && skyShare_ == 0; }
     LightSample sample(const glm::vec3& origin, const glm::vec2& u, float uChoice) const;
 
+    /// Whether the material at a hit may emit.
+    bool shines(const Hit& hit) const { return !pdfPerArea_[hit.instance].empty(); }
     /// Density of `sample` for a hit on a triangle that is seen along unit `direction`.
     float pdfOfHit(const Hit& hit, const glm::vec3& direction) const;
     float pdfOfSky(const glm::vec3& direction) const;

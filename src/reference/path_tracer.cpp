@@ -303,15 +303,16 @@ Scattered PathTracer::Impl::scatter(Vertex vertex, const Sampler& sampler, int m
             *channel += throughput * emitters.sky(direction) * powerHeuristic(pdf, emitters.pdfOfSky(direction));
             break;
         }
+        // Looking up a material costs as much as a ray: not for paths that end here.
+        float survival = 1;
+        if (depth + 1 >= kRouletteDepth) survival = std::min(1.0f, maxComponent(throughput));
+        const bool ends = depth + 1 == maxDepth || u.w >= survival;
+        if (ends && !emitters.shines(hit)) break;
         const Shading shading = geometry.shade(hit, -direction);
         if (maxComponent(shading.emission) > 0)
             *channel += throughput * shading.emission * powerHeuristic(pdf, emitters.pdfOfHit(hit, direction));
-
-        if (depth + 1 >= kRouletteDepth) {
-            const float survival = std::min(1.0f, maxComponent(throughput));
-            if (u.w >= survival) break;
-            throughput /= survival;
-        }
+        if (ends) break;
+        throughput /= survival;
         vertex = makeVertex(hit, shading, -direction);
     }
     return result;

@@ -132,8 +132,8 @@ def atrium(_):
     """Two-storey colonnade around an open court, about 30 x 12 x 18 m: arcades on round columns, galleries, coloured
     curtains, bronze vases and a fountain. For a low sun through the open roof."""
     w = Writer(atrium.__doc__)
-    stone = w.material("wall stone", (.62, .56, .47), roughness=.85)
-    pale = w.material("column stone", (.70, .66, .58), roughness=.6)
+    stone = w.material("wall stone", (.55, .47, .37), roughness=.85)
+    pale = w.material("column stone", (.62, .57, .48), roughness=.6)
     floor = w.material("polished floor", (.42, .38, .34), roughness=.3)
     gallery_floor = w.material("gallery floor", (.5, .4, .3), roughness=.5)
     bronze = w.material("bronze", (.75, .48, .25), roughness=.35, metallic=1.0)

@@ -180,6 +180,12 @@ class Loader {
         addNodes();
         for (Size i = 0; i < model_.animations.size(); ++i) addAnimation(i);
         if (scene_.materials.empty()) defaultMaterial();
+        // Finite numbers multiply to infinite ones along a hierarchy; the renderer's floats must hold what comes out.
+        constexpr double kFarthest = 1e18;
+        const Bounds bounds = scene_.bounds();
+        const glm::dvec3 far = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
+        if (!bounds.empty() && !(std::max({far.x, far.y, far.z}) <= kFarthest))
+            fail("nodes", fmt::format("vertices are farther than {:g} from the origin", kFarthest));
         for (const std::string& what : ignored_) log::warn("{}: ignored: {}", name_, what);
         return std::move(scene_);
     }

@@ -20,6 +20,8 @@ using nlohmann::json;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::int64_t kMaxInt = std::numeric_limits<std::int32_t>::max();
 constexpr std::int64_t kMaxSize = std::int64_t{1} << 53;  // what JSON numbers hold exactly
+// Products of two such numbers are still floats.
+constexpr double kLargest = 1e18;
 // Exporters round: 1.0000001 is taken for 1.
 constexpr double kForgiven = 1e-3;
 
@@ -88,7 +90,7 @@ class Object {
         if (value_.contains("name") && value_["name"].is_string()) asked_.insert("name");
     }
 
-    double number(const std::string& key, double fallback, double low = -kInfinity, double high = kInfinity) {
+    double number(const std::string& key, double fallback, double low = -kLargest, double high = kLargest) {
         json* v = find(key);
         return v ? checkedNumber(*v, path(key), low, high) : fallback;
     }
@@ -112,8 +114,8 @@ class Object {
         return v ? v->get<std::string>() : fallback;
     }
     /// Array of exactly `count` numbers; empty when absent.
-    std::vector<double> numbers(const std::string& key, std::size_t count, double low = -kInfinity,
-                                double high = kInfinity) {
+    std::vector<double> numbers(const std::string& key, std::size_t count, double low = -kLargest,
+                                double high = kLargest) {
         json* v = find(key);
         if (!v) return {};
         if (!v->is_array() || v->size() != count) refuse(key, fmt::format("is not an array of {} numbers", count));

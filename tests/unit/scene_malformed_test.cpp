@@ -215,6 +215,15 @@ TEST_F(MalformedTest, NodesMustBeTrees) {
     refused("nodes[0].matrix", "16 numbers");
 }
 
+TEST_F(MalformedTest, NumbersThatOverflowFloats) {
+    triangle();
+    builder.json["nodes"][0]["scale"] = {1e300, 1, 1};
+    refused("nodes[0].scale[0]", "is 1e+300");
+    builder.json["nodes"][0]["scale"] = {1e17, 1, 1};
+    builder.append("nodes", {{"children", {0}}, {"scale", {1e17, 1, 1}}});
+    refused("nodes", "farther than 1e+18");
+}
+
 TEST_F(MalformedTest, VeryDeepHierarchiesLoad) {
     const int depth = 20000;
     for (int i = 0; i < depth; ++i)

@@ -72,8 +72,6 @@ class Object {
         throw InputError(file_, path(key), reason);
     }
     bool has(const std::string& key) const { return value_.contains(key); }
-    bool isEmpty() const { return value_.empty(); }
-    void drop(const std::string& key) { asked_.erase(key); }
 
     json* find(const std::string& key) {
         const auto it = value_.find(key);
@@ -153,17 +151,13 @@ class Object {
         if (!v->is_array()) refuse(key, "is not an array");
         return v->size();
     }
-    bool extension(const std::string& name, const std::function<void(Object&)>& visit) {
-        if (!has("extensions")) return false;
-        bool found = false;
-        // Asked for once an extension, so erasing is left to the last call: extensions() keeps what was seen.
+    /// Calls `visit` with extension `name` when it is there. What is kept of "extensions" is keepExtensions' to say.
+    void extension(const std::string& name, const std::function<void(Object&)>& visit) {
+        if (!has("extensions")) return;
         if (!value_["extensions"].is_object()) refuse("extensions", "is not an object");
-        if (value_["extensions"].contains(name)) {
-            Object child(file_, value_["extensions"][name], join(path("extensions"), name));
-            visit(child);
-            found = true;
-        }
-        return found;
+        if (!value_["extensions"].contains(name)) return;
+        Object child(file_, value_["extensions"][name], join(path("extensions"), name));
+        visit(child);
     }
     /// Keeps these extensions for the reader and erases all others.
     void keepExtensions(std::initializer_list<const char*> names) {

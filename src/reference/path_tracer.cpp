@@ -34,7 +34,7 @@ constexpr std::uint32_t kCameraRay = 0, kOpennessRay = 1, kFirstVertexRay = 2;
 // A lobe that reflects anything is drawn at least this often.
 constexpr float kMinLobeProbability = 0.1f;
 // Paths this long are ended by chance. Shorter ones carry most of the light.
-constexpr int kRouletteDepth = 3;
+constexpr int kRouletteDepth = 2;
 // Smallest cosine between a shading normal and the viewer. Normals that look away are turned as far as this.
 constexpr float kMinViewCosine = 1e-3f;
 // Samples of the first pass when the error decides how many there are.

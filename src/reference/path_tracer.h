@@ -14,12 +14,18 @@ namespace voxcone {
 
 /// Conventions shared with the renderer (docs/architecture.md, "What light does"):
 ///  - A surface blocks light from both sides. The back of a single-sided material reflects like its front but does not
-///  emit,
-///    and the camera's own rays pass through it.
+///    emit, and the camera's own rays pass through it.
 ///  - `direct` is light from analytic lights (Scene::lights) straight to the visible surface, diffuse and specular.
 ///    Everything else that arrives (sky, emitting surfaces, bounced light) is indirect: `indirectDiffuse` through the
 ///    diffuse lobe, `indirectSpecular` through the specular lobe. beauty = direct + both + emission + background.
 ///  - Pixel samples lie on the regular supersample² grid inside the pixel (pixel centre for 1).
+///  - Nothing is clamped, so that nothing is biased. Light of a point or directional light that a near-mirror throws on
+///  a
+///    wall therefore shows as few, bright pixels until there are many samples.
+///  - BLEND surfaces stop a ray with probability alpha. Transmission is not modelled.
+///
+/// Channels are means over a pixel's samples, background included (0, and 1 in ao); depth and position are means over
+/// the samples that hit something.
 struct ReferenceImages {
     Image beauty, direct, indirectDiffuse, indirectSpecular, emission, albedo, normal;  ///< 3 channels, linear radiance
     Image ao, depth;  ///< 1 channel; ao is cosine-weighted openness; depth is view-space distance −z, 0 = background
@@ -33,13 +39,16 @@ struct ReferenceImages {
 
 class PathTracer {
   public:
-    /// Builds the BVH of `scene` at `time` seconds.
+    /// Builds the BVH of `scene` at `time` seconds. `scene` must outlive this object.
     PathTracer(const Scene& scene, double time = 0);
     ~PathTracer();
     PathTracer(const PathTracer&) = delete;
     PathTracer& operator=(const PathTracer&) = delete;
 
-    /// Renders all channels. Deterministic for a seed, whatever the number of threads. `progress` gets 0…1 or is empty.
+    /// Renders all channels at settings.output's size. Deterministic for a seed, whatever the number of threads.
+    /// settings.reference: `samples` a pixel, rounded up to a multiple of 2·supersample²; with `error` > 0 passes
+    /// double the samples until beautyError is as small or `samples` is reached; `maxDepth` is the most reflections a
+    /// path has, the visible surface's own included. `progress` gets 0…1, from one thread at a time, or is empty.
     ReferenceImages render(const Camera& worldCamera, const Settings& settings,
                            const std::function<void(double)>& progress = {}) const;
 
@@ -53,6 +62,7 @@ class PathTracer {
         glm::vec3 directIrradiance;    ///< from analytic lights
         float openness;  ///< cosine-weighted fraction of the sky that is visible (ao.distance, ao.falloff)
     };
+    /// settings.reference.samples paths a probe; the probe's own reflection counts as the first of maxDepth.
     std::vector<ProbeResult> probe(const std::vector<Probe>& probes, const Settings& settings) const;
 
   private:

@@ -27,7 +27,8 @@ void main() {
 #if LIGHTS
         vec3 worldPos = (vec3(unpackVoxel(b_voxels[index / 6u])) + unpackPosition(face.position)) * u_voxelSize;
         vec3 normal = unpackOctahedral(face.normal);
-        radiance += unpackAlbedo(face.albedo) * directIrradiance(worldPos, normal) * 0.318309886;
+        // A record is the mean of what lies in its voxel: a quarter of an edge is how far a bent surface is from it.
+        radiance += unpackAlbedo(face.albedo) * directIrradiance(worldPos, normal, 0.5 * u_voxelSize) * 0.318309886;
 #endif
         float largest = max(radiance.r, max(radiance.g, radiance.b));
         // Floats that are not negative compare like their bits.

@@ -19,9 +19,8 @@ namespace voxcone {
 ///    Everything else that arrives (sky, emitting surfaces, bounced light) is indirect: `indirectDiffuse` through the
 ///    diffuse lobe, `indirectSpecular` through the specular lobe. beauty = direct + both + emission + background.
 ///  - Pixel samples lie on the regular supersample² grid inside the pixel (pixel centre for 1).
-///  - Nothing is clamped, so that nothing is biased. Light of a point or directional light that a near-mirror throws on
-///  a
-///    wall therefore shows as few, bright pixels until there are many samples.
+///  - Nothing is clamped, so that nothing is biased. Light that a near-mirror throws from a point or directional
+///    light on a wall therefore shows as few, bright pixels until there are many samples.
 ///  - BLEND surfaces stop a ray with probability alpha. Transmission is not modelled.
 ///
 /// Channels are means over a pixel's samples, background included (0, and 1 in ao); depth and position are means over

@@ -35,8 +35,8 @@ constexpr std::uint32_t kCameraRay = 0, kOpennessRay = 1, kFirstVertexRay = 2;
 constexpr float kMinLobeProbability = 0.1f;
 // Paths this long are ended by chance. Shorter ones carry most of the light.
 constexpr int kRouletteDepth = 2;
-// Smallest cosine between a shading normal and the viewer. Normals that look away are turned as far as this.
-constexpr float kMinViewCosine = 1e-3f;
+// Smallest cosines that a shading normal is turned to meet: with the viewer, and of the mirrored viewer with the plane.
+constexpr float kMinViewCosine = 1e-3f, kMinMirrorCosine = 0.01f;
 // Samples of the first pass when the error decides how many there are.
 constexpr int kFirstPass = 16;
 constexpr int kTile = 16;
@@ -63,7 +63,17 @@ Vertex makeVertex(const Hit& hit, const Shading& shading, const glm::vec3& toVie
     Vertex vertex{hit.position + hit.offset * shading.planeNormal, shading.planeNormal, shading.normal, toViewer,
                   shading.surface};
     const float cosine = glm::dot(vertex.normal, toViewer);
-    if (cosine < kMinViewCosine) vertex.normal = glm::normalize(vertex.normal + (kMinViewCosine - cosine) * toViewer);
+    if (maxComponent(vertex.surface.f0) > 0 || vertex.surface.f90 > 0) {
+        // A mirror image from below the plane would be black: it is lifted above, and the normal put half-way (Keller
+        // et al., "The Iray Light Transport Simulation and Rendering System", 2017).
+        const glm::vec3 mirrored = 2 * cosine * vertex.normal - toViewer;
+        const float above = glm::dot(mirrored, vertex.planeNormal);
+        const float wanted = std::min(0.9f * glm::dot(toViewer, vertex.planeNormal), kMinMirrorCosine);
+        if (above < wanted)
+            vertex.normal = glm::normalize(toViewer + glm::normalize(mirrored + (wanted - above) * vertex.planeNormal));
+    } else if (cosine < kMinViewCosine) {
+        vertex.normal = glm::normalize(vertex.normal + (kMinViewCosine - cosine) * toViewer);
+    }
     return vertex;
 }
 

@@ -17,7 +17,7 @@ float screenDoor(ivec2 texel) {
 
 void main() {
 #if ALPHA_TEST
-    float alpha = b_materials[u_material].baseColor.a * v.alpha;
+    float alpha = b_material.baseColor.a * v.alpha;
     if (materialHas(BASE_COLOR_UNIT)) alpha *= texture(u_baseColorTexture, materialUv(BASE_COLOR_UNIT, v.uv0, v.uv1)).a;
     float cutoff = materialAlphaMode() == ALPHA_BLEND ? screenDoor(ivec2(gl_FragCoord.xy)) : materialAlphaCutoff();
     if (alpha < cutoff) discard;

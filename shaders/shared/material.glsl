@@ -1,5 +1,5 @@
 // glTF metallic-roughness material of the batch that is drawn (gl::GpuScene): its constants and textures, sampled.
-// GpuScene::draw binds the textures and sets u_material and u_materialTextures. For fragment shaders.
+// GpuScene::draw binds the textures and the material's block. For fragment shaders.
 #include "shared/bindings.glsl"
 
 struct Material {
@@ -11,14 +11,15 @@ struct Material {
     ivec4 texCoord;              // UV set of each slot
     ivec4 flags;                 // x: alpha mode (0 opaque, 1 mask, 2 blend), y: double sided, z: unlit, w: textures as bits
 };
-layout(std430, binding = MATERIAL_STORAGE) readonly buffer Materials { Material b_materials[]; };
+// A uniform block, not storage: pixels beside a triangle's edge, which give its derivatives, need not see storage (on
+// llvmpipe they read zeros, and a texture coordinate made from those asks for the smallest mip).
+layout(std140, binding = MATERIAL_BLOCK) uniform MaterialBlock { Material b_material; };
 
 layout(binding = BASE_COLOR_UNIT) uniform sampler2D u_baseColorTexture;                  // decoded from sRGB
 layout(binding = METALLIC_ROUGHNESS_UNIT) uniform sampler2D u_metallicRoughnessTexture;  // G roughness, B metallic
 layout(binding = NORMAL_UNIT) uniform sampler2D u_normalTexture;
 layout(binding = EMISSION_UNIT) uniform sampler2D u_emissionTexture;                     // decoded from sRGB
 
-uniform int u_material;  // index in b_materials
 uniform bool u_closed;   // the batch's triangles bound a watertight body
 
 #define ALPHA_OPAQUE 0
@@ -36,21 +37,21 @@ struct MaterialSample {
     float specularFactor; // F90 of the dielectric
 };
 
-bool materialHas(int slot) { return (b_materials[u_material].flags.w & (1 << slot)) != 0; }
-bool materialDoubleSided() { return b_materials[u_material].flags.y != 0; }
-bool materialUnlit() { return b_materials[u_material].flags.z != 0; }
-int materialAlphaMode() { return b_materials[u_material].flags.x; }
-float materialAlphaCutoff() { return b_materials[u_material].metallicRoughness.w; }
+bool materialHas(int slot) { return (b_material.flags.w & (1 << slot)) != 0; }
+bool materialDoubleSided() { return b_material.flags.y != 0; }
+bool materialUnlit() { return b_material.flags.z != 0; }
+int materialAlphaMode() { return b_material.flags.x; }
+float materialAlphaCutoff() { return b_material.metallicRoughness.w; }
 
 vec2 materialUv(int slot, vec2 uv0, vec2 uv1) {
-    vec3 uv = vec3(b_materials[u_material].texCoord[slot] == 0 ? uv0 : uv1, 1.0);
-    return vec2(dot(b_materials[u_material].uvTransform[2 * slot].xyz, uv),
-                dot(b_materials[u_material].uvTransform[2 * slot + 1].xyz, uv));
+    vec3 uv = vec3(b_material.texCoord[slot] == 0 ? uv0 : uv1, 1.0);
+    return vec2(dot(b_material.uvTransform[2 * slot].xyz, uv),
+                dot(b_material.uvTransform[2 * slot + 1].xyz, uv));
 }
 
 // The material from its texels; texels of absent textures are not looked at.
 MaterialSample materialFromTexels(vec4 baseColor, vec4 metallicRoughness, vec4 normal, vec4 emission, vec4 vertexColor) {
-    Material m = b_materials[u_material];
+    Material m = b_material;
     MaterialSample s;
     vec4 color = m.baseColor * vertexColor;
     if (materialHas(BASE_COLOR_UNIT)) color *= baseColor;
@@ -97,9 +98,9 @@ MaterialSample sampleMaterialFootprint(vec2 uv0, vec2 uv1, vec4 vertexColor, flo
     vec4 texels[4] = vec4[4](vec4(1.0), vec4(1.0), vec4(0.5, 0.5, 1.0, 1.0), vec4(1.0));
 #define SAMPLE_FOOTPRINT(slot, tex)                                                                          \
     if (materialHas(slot)) {                                                                                 \
-        float perSample = b_materials[u_material].texCoord[slot] == 0 ? uvPerSample0 : uvPerSample1;         \
-        vec3 row0 = b_materials[u_material].uvTransform[2 * slot].xyz;                                       \
-        vec3 row1 = b_materials[u_material].uvTransform[2 * slot + 1].xyz;                                   \
+        float perSample = b_material.texCoord[slot] == 0 ? uvPerSample0 : uvPerSample1;         \
+        vec3 row0 = b_material.uvTransform[2 * slot].xyz;                                       \
+        vec3 row1 = b_material.uvTransform[2 * slot + 1].xyz;                                   \
         float scale = sqrt(abs(row0.x * row1.y - row0.y * row1.x));                                          \
         vec2 size = vec2(textureSize(tex, 0));                                                               \
         float lod = log2(max(perSample * scale * sqrt(size.x * size.y), 1.0));                               \

@@ -13,10 +13,12 @@ enum MaterialUnit : int {
 constexpr int kEnvironmentUnit = 4;
 constexpr int kPassTextureUnit = 5;
 
-/// Shader storage blocks 0 and 1 are the scene's; passes use kPassStorage and up.
+/// Shader storage block 0 is the scene's; passes use kPassStorage and up.
 constexpr int kObjectStorage = 0;
-constexpr int kMaterialStorage = 1;
 constexpr int kPassStorage = 2;
+
+/// Uniform block of the material that is drawn.
+constexpr int kMaterialBlock = 0;
 
 /// Vertex attributes of GpuScene.
 enum VertexLocation : int {

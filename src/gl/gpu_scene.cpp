@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstring>
 #include <numeric>
 #include <tuple>
 
@@ -155,7 +157,13 @@ void GpuScene::uploadGeometry() {
 }
 
 void GpuScene::uploadMaterials() {
-    std::vector<GpuMaterial> materials;
+    if (scene_.materials.empty()) return;
+    GLint alignment = 1;
+    glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
+    const auto unit = static_cast<std::size_t>(alignment);
+    materialStride_ = (sizeof(GpuMaterial) + unit - 1) / unit * unit;
+    std::vector<std::byte> blocks(scene_.materials.size() * materialStride_);
+    std::size_t offset = 0;
     for (const Material& material : scene_.materials) {
         GpuMaterial gpu{};
         gpu.baseColor = material.baseColor;
@@ -176,11 +184,10 @@ void GpuScene::uploadMaterials() {
         gpu.flags.x = static_cast<int>(material.alphaMode);
         gpu.flags.y = material.doubleSided ? 1 : 0;
         gpu.flags.z = material.unlit ? 1 : 0;
-        materials.push_back(gpu);
+        std::memcpy(blocks.data() + offset, &gpu, sizeof(gpu));
+        offset += materialStride_;
     }
-    if (materials.empty()) return;
-    requireStorage(materials.size() * sizeof(GpuMaterial), "materials");
-    materialBuffer_ = Buffer::of(materials);
+    materialBuffer_ = Buffer::of(blocks);
 }
 
 void GpuScene::uploadTextures() {
@@ -329,7 +336,6 @@ bool GpuScene::anyAlphaTest() const {
 void GpuScene::bindStorage() const {
     vertexArray_.bind();
     if (objectBuffer_) objectBuffer_.bindBase(GL_SHADER_STORAGE_BUFFER, kObjectStorage);
-    if (materialBuffer_) materialBuffer_.bindBase(GL_SHADER_STORAGE_BUFFER, kMaterialStorage);
 }
 
 void GpuScene::draw(Program& program, const BatchFilter& filter) const {
@@ -340,7 +346,8 @@ void GpuScene::draw(Program& program, const BatchFilter& filter) const {
         if (filter && !filter(batch)) continue;
         if (batch.material != boundMaterial) {
             boundMaterial = batch.material;
-            program.set("u_material", batch.material);
+            materialBuffer_.bindRange(GL_UNIFORM_BUFFER, kMaterialBlock,
+                                      static_cast<std::size_t>(batch.material) * materialStride_, sizeof(GpuMaterial));
             for (const Slot& slot : slots(scene_.materials[static_cast<std::size_t>(batch.material)])) {
                 if (slot.slot->texture < 0) continue;
                 (slot.srgb ? colorTextures_ : dataTextures_)[static_cast<std::size_t>(slot.slot->texture)].bindTo(

@@ -60,10 +60,10 @@ class GpuScene {
     bool anyAlphaTest() const;  ///< a batch with AlphaMode mask or blend
 
     /// Draws the batches that `filter` takes with `program` in use, in an order fixed by the scene: binds the
-    /// material's textures, sets u_material and u_closed (shared/material.glsl) and the winding of front faces.
+    /// material's textures and block, sets u_closed (shared/material.glsl) and the winding of front faces.
     void draw(Program& program, const BatchFilter& filter = {}) const;
 
-    /// Binds the object and material blocks and the vertex array; `draw` does so itself.
+    /// Binds the object block and the vertex array; `draw` does so itself.
     void bindStorage() const;
 
     /// Reverses the order of batches and of triangles inside them: for tests of order independence.
@@ -94,6 +94,7 @@ class GpuScene {
     std::vector<Batch> batches_;
     std::vector<std::size_t> objects_;  ///< object → index in Scene::instances
     std::vector<Bounds> objectBounds_, meshBounds_;
+    std::size_t materialStride_ = 0;     ///< bytes from one material's block to the next
     std::vector<MeshRange> meshRanges_;  ///< by index in Scene::meshes
     std::vector<std::uint32_t> indices_;
     Buffer vertices_, indexBuffer_, objectIndices_, objectBuffer_, materialBuffer_;

@@ -246,6 +246,54 @@ TEST_F(GlTest, SupersamplesAreAveragedOverPixels) {
     EXPECT_GT(partly, 50);
 }
 
+TEST_F(GlTest, TexelsAreTheOnesUnderThePixelAlsoAtEdgesOfTriangles) {
+    // Magnified texels on many small triangles: a pixel that took its derivatives from nowhere would show a coarse mip.
+    constexpr int kTexels = 8;
+    Texture image;
+    image.width = image.height = kTexels;
+    image.nearest = true;
+    image.wrapS = Wrap::mirrored_repeat;
+    for (int i = 0; i < kTexels * kTexels; ++i) {
+        const int hash = (i * 97 + i / kTexels * 31) % 256;
+        for (const int value : {hash, 255 - hash, (hash * 7) % 256, 255})
+            image.rgba8.push_back(static_cast<std::uint8_t>(value));
+    }
+    Material material = test::lambert(1.0f, 2.0f);
+    material.baseColorTexture.texture = material.emissionTexture.texture = 0;
+    material.emissionTexture.uvTransform = glm::mat3x2(0, 1, -1, 0, 0.25f, -0.5f);  // a quarter turn, moved
+    Scene scene = test::oneObject(test::quad(4, 4, 24), material);
+    scene.textures.push_back(image);
+    const Camera camera = test::camera({0.1, 3, 1.0}, {0, 0, 0});
+    Drawn drawn(scene, camera);
+    const Image albedo = drawn.gbuffer.channel("albedo", 1), emission = drawn.gbuffer.channel("emission", 1);
+    const auto texel = [&](glm::vec2 uv) {
+        const float mirrored = std::abs(uv.x - 2 * std::round(uv.x / 2));
+        const int u = std::min(static_cast<int>(mirrored * kTexels), kTexels - 1);
+        const int v = static_cast<int>((uv.y - std::floor(uv.y)) * kTexels);
+        const std::uint8_t* rgba = image.rgba8.data() + 4 * (v * kTexels + u);
+        return glm::vec3(linearFromSrgb(static_cast<float>(rgba[0]) / 255),
+                         linearFromSrgb(static_cast<float>(rgba[1]) / 255),
+                         linearFromSrgb(static_cast<float>(rgba[2]) / 255));
+    };
+    int compared = 0;
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            const glm::dvec3 ray = rayThrough(camera, x, y);
+            const glm::vec3 p(camera.position - camera.position.y / ray.y * ray);
+            const glm::vec2 uv(p.x / 4 + 0.5f, p.z / 4 + 0.5f);
+            const glm::vec2 place = glm::fract(uv * static_cast<float>(kTexels));
+            const bool nearBorder =
+                glm::any(glm::lessThan(place, glm::vec2(0.02f))) || glm::any(glm::greaterThan(place, glm::vec2(0.98f)));
+            if (nearBorder || std::max(std::abs(p.x), std::abs(p.z)) > 1.99f) continue;
+            ++compared;
+            ASSERT_NEAR(glm::distance(at(albedo, x, y), texel(uv)), 0, 5e-3) << x << ' ' << y;
+            const glm::vec2 turned = material.emissionTexture.uvTransform * glm::vec3(uv, 1);
+            ASSERT_NEAR(glm::distance(at(emission, x, y), 2.0f * texel(turned)), 0, 1e-2) << x << ' ' << y;
+        }
+    }
+    EXPECT_GT(compared, 3000);
+}
+
 /// All channels of a drawing, bit for bit.
 std::vector<float> allChannels(Drawn& drawn) {
     std::vector<float> all;

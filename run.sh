@@ -5,9 +5,10 @@ set -euo pipefail
 called_from=$PWD
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"
 root=$PWD
+# shellcheck source=tools/packages.sh
 . tools/packages.sh
 
-install_packages $voxcone_packages
+install_packages "${voxcone_packages[@]}"
 [ -f build/release/build.ninja ] || configure release -DVOXCONE_TESTS=OFF
 # Silent when there is nothing to do.
 ninja -C build/release -n voxcone | grep -q "no work to do" || ninja -C build/release voxcone >&2

@@ -3,9 +3,10 @@
 # UndefinedBehaviorSanitizer.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"
+# shellcheck source=tools/packages.sh
 . tools/packages.sh
 
-install_packages $voxcone_packages $voxcone_test_packages
+install_packages "${voxcone_packages[@]}" "${voxcone_test_packages[@]}"
 configure release -DVOXCONE_TESTS=ON
 ninja -C build/release
 configure sanitize -DVOXCONE_TESTS=ON

@@ -1,9 +1,10 @@
+# shellcheck shell=bash disable=SC2034
 # Sourced by run.sh and test.sh: the Debian 12 packages that voxcone needs, and a function that installs what is missing.
 
-voxcone_packages="cmake ninja-build g++ pkg-config libglm-dev libepoxy-dev libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri
+voxcone_packages=(cmake ninja-build g++ pkg-config libglm-dev libepoxy-dev libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri
   libtinygltf-dev libstb-dev nlohmann-json3-dev libopenimageio-dev openimageio-tools libembree-dev libtbb-dev libcli11-dev
-  libfmt-dev"
-voxcone_test_packages="libgtest-dev libgmock-dev"
+  libfmt-dev)
+voxcone_test_packages=(libgtest-dev libgmock-dev)
 
 # install_packages NAME...: installs those that are missing, as root or by sudo without a password; else prints the one line
 # to run and exits with 2.
@@ -17,7 +18,7 @@ install_packages() {
     if [ "$(id -u)" -ne 0 ]; then
         if ! sudo -n true 2>/dev/null; then
             echo "Missing packages; install them with:" >&2
-            echo "sudo apt-get install -y --no-install-recommends ${missing[*]}" >&2
+            echo "sudo apt-get update && sudo apt-get install -y --no-install-recommends ${missing[*]}" >&2
             exit 2
         fi
         sudo="sudo"

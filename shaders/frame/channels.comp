@@ -23,7 +23,7 @@ void main() {
         if (!s.hit) continue;
         hits += 1.0;
         if (u_channel == CHANNEL_ALBEDO) sum += s.baseColor;
-        if (u_channel == CHANNEL_NORMAL) sum += s.normal;
+        if (u_channel == CHANNEL_NORMAL) sum += gbufferNormal(pixel * u_supersample + ivec2(i % u_supersample, i / u_supersample));
         if (u_channel == CHANNEL_DEPTH) sum += vec3(s.viewDepth);
         if (u_channel == CHANNEL_POSITION) sum += s.position;
         if (u_channel == CHANNEL_EMISSION) sum += s.emission;

@@ -16,7 +16,7 @@ struct GBufferSample {
     float viewDepth;       // distance along the view, metres
     vec3 position;
     vec3 toEye;            // unit
-    vec3 normal;           // unit, shading, towards the eye's side of the triangle
+    vec3 normal;           // unit, for shading: turned so that the eye and its mirror image are above it
     vec3 geometricNormal;  // unit, of the triangle, towards the eye
     vec3 baseColor;
     float metallic;
@@ -32,6 +32,21 @@ float gbufferViewDepth(ivec2 pixel) { return uintBitsToFloat(texelFetch(u_gbuffe
 vec3 gbufferNormal(ivec2 pixel) { return unpackOctahedral(texelFetch(u_gbufferSurface, pixel, 0).x); }
 vec3 gbufferRay(ivec2 pixel) { return u_cameraRays * vec3(vec2(pixel) + 0.5, 1.0); }
 
+// The path tracer's rule for shading normals that look away from the eye (src/reference/path_tracer.cpp, makeVertex): a
+// mirror image from below the triangle would be black, so it is lifted above and the normal put half-way (Keller et al.,
+// "The Iray Light Transport Simulation and Rendering System", 2017).
+vec3 visibleShadingNormal(vec3 normal, vec3 plane, vec3 toEye, Surface surface) {
+    const float minViewCosine = 1e-3, minMirrorCosine = 0.01;
+    float cosine = dot(normal, toEye);
+    if (maxComponent(surface.f0) > 0.0 || surface.f90 > 0.0) {
+        vec3 mirrored = 2.0 * cosine * normal - toEye;
+        float above = dot(mirrored, plane);
+        float wanted = min(0.9 * dot(toEye, plane), minMirrorCosine);
+        return above < wanted ? normalize(toEye + normalize(mirrored + (wanted - above) * plane)) : normal;
+    }
+    return cosine < minViewCosine ? normalize(normal + (minViewCosine - cosine) * toEye) : normal;
+}
+
 GBufferSample loadGBuffer(ivec2 pixel) {
     GBufferSample s;
     uvec4 words = texelFetch(u_gbufferSurface, pixel, 0);
@@ -40,7 +55,6 @@ GBufferSample loadGBuffer(ivec2 pixel) {
     s.hit = s.viewDepth > 0.0;
     s.position = u_cameraPosition + ray * s.viewDepth;
     s.toEye = -normalize(ray);
-    s.normal = unpackOctahedral(words.x);
     s.geometricNormal = unpackOctahedral(words.y);
     vec2 metallicRoughness = unpackUnorm2x16(words.z);
     s.metallic = metallicRoughness.x;
@@ -52,6 +66,7 @@ GBufferSample loadGBuffer(ivec2 pixel) {
     s.surface.f0 = mix(specular.rgb, s.baseColor, s.metallic) * specular.a;
     s.surface.f90 = mix(baseColor.a, 1.0, s.metallic) * specular.a;
     s.surface.alpha = clamp(s.roughness * s.roughness, kMinAlpha, 1.0);
+    s.normal = visibleShadingNormal(unpackOctahedral(words.x), s.geometricNormal, s.toEye, s.surface);
 #ifdef GBUFFER_EMISSION
     s.emission = texelFetch(u_gbufferEmission, pixel, 0).rgb;
 #else

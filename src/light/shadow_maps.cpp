@@ -1,10 +1,37 @@
 #include "light/shadow_maps.h"
 
+#include <algorithm>
+#include <vector>
+
 #include "core/check.h"
 #include "core/log.h"
 #include "gl/framebuffer.h"
 
 namespace voxcone {
+namespace {
+
+/// False when a box, relative to the scene's origin, is certainly outside of the view: all corners are beyond one of
+/// its four sides, or behind the eye.
+bool mayBeSeen(const ShadowViewRecord& view, const Bounds& box) {
+    const bool perspective = view.perspective > 0;
+    int left = 0, right = 0, below = 0, above = 0, behind = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 p = glm::dvec3(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                                        corner & 4 ? box.max.z : box.min.z) -
+                             glm::dvec3(view.origin);
+        const double z = glm::dot(p, glm::dvec3(view.forward)), limit = perspective ? z : 1.0;
+        const double x = static_cast<double>(view.scale) * glm::dot(p, glm::dvec3(view.right));
+        const double y = static_cast<double>(view.scale) * glm::dot(p, glm::dvec3(view.up));
+        left += x < -limit;
+        right += x > limit;
+        below += y < -limit;
+        above += y > limit;
+        behind += perspective && z <= 0;
+    }
+    return std::max({left, right, below, above, behind}) < 8;
+}
+
+}  // namespace
 
 ShadowMaps::ShadowMaps(const gl::Context& context, const gl::ShaderLibrary& shaders, const Settings::Light& settings)
     : context_(context), shaders_(shaders), settings_(settings) {}
@@ -58,14 +85,25 @@ void ShadowMaps::draw(const gl::GpuScene& scene) {
     state.apply();
     viewBuffer_.bindBase(GL_SHADER_STORAGE_BUFFER, kShadowViewStorage);
     const auto isOpaque = [](const gl::Batch& batch) { return batch.alphaMode == AlphaMode::opaque; };
+    std::vector<char> seen(scene.objectCount());
     for (std::size_t i = 0; i < layout_.views.size(); ++i) {
         const ShadowTile& tile = layout_.tiles[i];
+        for (std::size_t k = 0; k < seen.size(); ++k) {
+            Bounds box;
+            box.add(scene.objectBounds(k).min - scene.origin());
+            box.add(scene.objectBounds(k).max - scene.origin());
+            seen[k] = mayBeSeen(layout_.views[i], box);
+        }
+        const auto anySeen = [&](const gl::Batch& batch) {
+            const auto first = seen.begin() + batch.firstObject;
+            return std::any_of(first, first + batch.objectCount, [](char s) { return s != 0; });
+        };
         gl::Framebuffer::viewport(tile.x, tile.y, tile.size, tile.size);
         opaqueProgram_.set("u_view", static_cast<int>(i));
-        scene.draw(opaqueProgram_, isOpaque);
+        scene.draw(opaqueProgram_, [&](const gl::Batch& batch) { return isOpaque(batch) && anySeen(batch); });
         if (alphaTest) {
             alphaProgram_.set("u_view", static_cast<int>(i));
-            scene.draw(alphaProgram_, [&](const gl::Batch& batch) { return !isOpaque(batch); });
+            scene.draw(alphaProgram_, [&](const gl::Batch& batch) { return !isOpaque(batch) && anySeen(batch); });
         }
     }
     // Attachment writes are ordered before later texture fetches of the same context: no barrier is needed.

@@ -19,6 +19,12 @@ vec4 coneOfSet(int i, float turn, float shift) {
 #endif
 }
 
+/// Orientation `k` of `n` that together cover a revolution and a stratum evenly. `n` is 1 or 16.
+float turnOf(int k, int n) { return float(k) / float(n); }
+float shiftOf(int k, int n) {
+    return n == 1 ? 0.0 : (float(bitfieldReverse(uint(k)) >> 28) + 0.5) / 16.0 - 0.5;
+}
+
 /// Right-handed frame around unit `n` (columns tangent, bitangent, n), Duff et al. 2017.
 mat3 frameAround(vec3 n) {
     float s = n.z >= 0.0 ? 1.0 : -1.0;

@@ -9,6 +9,7 @@ uniform float u_coneStep;        // footprints
 uniform float u_coneGain;        // g
 uniform float u_footprintCap;    // K
 uniform float u_startOffset;     // voxels, times |n|_1
+uniform float u_headStart;      // voxels
 uniform float u_nudge;           // voxel diagonals
 uniform float u_coneMaxDistance; // voxels
 uniform float u_radianceScale;   // stored radiance times this is W/(m² sr)
@@ -65,6 +66,27 @@ float footprint(Cone cone, float offset, float t) {
 }
 
 #if SIX_FACE
+/// Takes away the surface that the cone leaves. Filtering spreads it 1.5 |n|_1 voxels high, over the start of the cone,
+/// where its net normal would cancel that of a wall beside it, and the back of a sheet would stop the cone. What a plane
+/// with this normal adds to the faces is proportional to the normal, so it is at most what all of them have in common, and
+/// at most what the plane's filtered profile allows at this height.
+void withoutOwnPlane(Cone cone, float height, inout vec3 positive, inout vec3 negative) {
+    vec3 a = abs(cone.normal);
+    float profile = clamp(1.5 - height / (a.x + a.y + a.z), 0.0, 1.0);
+    if (profile == 0.0) return;
+    bvec3 up = greaterThan(cone.normal, vec3(0.0));
+    bvec3 edgeOn = lessThan(a, vec3(0.05));
+    vec3 front = mix(negative, positive, up), back = mix(positive, negative, up);
+    vec3 frontShare = mix(front / max(a, vec3(1e-6)), vec3(1e6), edgeOn);
+    vec3 backShare = mix(back / max(a, vec3(1e-6)), vec3(1e6), edgeOn);
+    float own = min(profile, min(frontShare.x, min(frontShare.y, frontShare.z)));
+    float ownBack = min(own, min(backShare.x, min(backShare.y, backShare.z)));
+    front = max(front - own * a, vec3(0.0));
+    back = max(back - ownBack * a, vec3(0.0));
+    positive = mix(back, front, up);
+    negative = mix(front, back, up);
+}
+
 vec3 textureCoordinates(vec3 x, float lod, int face) {
     // Trilinear filtering must not reach the neighbouring face in the stack: stay half a texel of the coarser level inside.
     float halfTexel = 0.5 * exp2(ceil(lod));
@@ -74,13 +96,14 @@ vec3 textureCoordinates(vec3 x, float lod, int face) {
 }
 #endif
 
-ConeResult traceCone(Cone cone) {
+/// Up to `reach` voxels from the origin.
+ConeResult traceConeTo(Cone cone, float reach) {
     vec3 d = cone.direction;
     vec3 n = cone.normal;
 #if START_NORMAL
     float offset = u_startOffset * (abs(n.x) + abs(n.y) + abs(n.z));
     vec3 o = cone.origin + n * offset;
-    float t = 0.0;
+    float t = -u_headStart;
 #else
     // Eq. 3.4 of the thesis, after Rauwendaal 2013; kept finite at grazing angles.
     float offset = 0.0;
@@ -88,8 +111,8 @@ ConeResult traceCone(Cone cone) {
     float t = u_nudge * sqrt(3.0) / max(dot(n, d), 1.0 / float(u_resolution));
 #endif
     vec2 range = gridRange(o, d);
-    t = max(t, range.x);
-    float end = u_coneMaxDistance > 0.0 ? min(range.y, u_coneMaxDistance) : range.y;
+    if (range.x > 0.0) t = max(t, range.x);
+    float end = min(range.y, reach);
 
     ConeResult result = ConeResult(vec3(0.0), 1.0, 1.0);
     float tau = 0.0, maxLod = float(u_levels - 1);
@@ -111,6 +134,9 @@ ConeResult traceCone(Cone cone) {
         vec3 positive = textureLod(u_coveragePositive, unit, lod).xyz;
         vec3 negative = textureLod(u_coverageNegative, unit, lod).xyz;
         vec3 a = abs(d);
+#if START_NORMAL
+        withoutOwnPlane(cone, offset + t * dot(n, d), positive, negative);
+#endif
         float density = max(0.0, dot(negative - positive, d)) + dot(a, min(positive, negative));
 #else
         vec4 voxel = textureLod(u_radiance, x / float(u_resolution), lod);
@@ -153,3 +179,5 @@ ConeResult traceCone(Cone cone) {
     result.radiance *= u_radianceScale;
     return result;
 }
+
+ConeResult traceCone(Cone cone) { return traceConeTo(cone, u_coneMaxDistance > 0.0 ? u_coneMaxDistance : 1e30); }

@@ -25,10 +25,10 @@ void main() {
     cone.tanHalfAngle = u_coneTanHalfAngle;
     mat3 frame = frameAround(cone.normal);
     // Neighbouring voxels turn their sets differently, so that what one set misses the next one sees.
-    uint turn = (uint(voxel.x) * 5u + uint(voxel.y) * 11u + uint(voxel.z) * 7u) & 15u;
+    int turn = (voxel.x * 5 + voxel.y * 11 + voxel.z * 7) & 15;
     vec3 gathered = vec3(0.0);
     for (int i = 0; i < CONES; ++i) {
-        vec4 local = coneOfSet(i, float(turn) / 16.0, (float(bitfieldReverse(turn) >> 28) + 0.5) / 16.0 - 0.5);
+        vec4 local = coneOfSet(i, turnOf(turn, 16), shiftOf(turn, 16));
         cone.direction = frame * local.xyz;
         ConeResult result = traceCone(cone);
         gathered += local.w * (result.radiance + result.transmittance * skyRadiance(cone.direction, cone.tanHalfAngle));

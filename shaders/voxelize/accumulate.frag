@@ -117,8 +117,8 @@ void main() {
         Polygon inside = column;
         for (int plane = 0; plane < 2; ++plane) clipPolygon(inside, 2, float(z + plane), plane == 0 ? 1.0 : -1.0);
         if (!insideHalfOpenCell(inside, vec3(cell, z))) continue;
-        vec3 centroid;
-        vec3 coverage = abs(unpermute(vectorArea(inside, centroid), f_axis));
+        vec3 middle;
+        vec3 coverage = abs(unpermute(vectorArea(inside, middle), f_axis));
 #if BINARY_COVERAGE
         coverage = vec3(greaterThan(abs(frontNormal), vec3(1e-3)));
 #else
@@ -128,7 +128,7 @@ void main() {
         uint record = imageLoad(u_index, voxel).r - 1u - u_firstRecord;
         if (record >= u_recordCount) continue;
 
-        vec2 q = centroid.xy - f_p0.xy;
+        vec2 q = middle.xy - f_p0.xy;
         float b1 = (q.x * e2.y - q.y * e2.x) / determinant, b2 = (q.y * e1.x - q.x * e1.y) / determinant;
         float b0 = 1.0 - b1 - b2;
         vec4 uv = b0 * f_uv0 + b1 * f_uv1 + b2 * f_uv2;
@@ -141,7 +141,7 @@ void main() {
         // The filtered alpha of a masked or blended material is the share of the voxel that it covers.
         MaterialSample material = sampleMaterialFootprint(uv.xy, uv.zw, color, uvPerVoxel.x, uvPerVoxel.y);
         float opacity = material.alpha;
-        Surfel surfel = Surfel(voxelAlbedo(surfaceOf(material)), normal, unpermute(centroid - vec3(cell, z), f_axis),
+        Surfel surfel = Surfel(voxelAlbedo(surfaceOf(material)), normal, unpermute(middle - vec3(cell, z), f_axis),
                                material.emission);
 
         atomicAdd(b_fragments, 1u);

@@ -5,7 +5,7 @@
 #define FACE_STORAGE 6
 #define COVERAGE_STORAGE 7
 // While lighting: the sums are done with, and so is the coverage once radiance carries it in w.
-#define RADIANCE_STORAGE 4
+#define RADIANCE_STORAGE 1
 #define DIRECT_STORAGE 7
 
 // In the order of VoxelCounters.

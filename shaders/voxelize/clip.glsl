@@ -38,8 +38,8 @@ bool insideHalfOpenCell(Polygon polygon, vec3 cell) {
     return all(lessThan(low, cell + 1.0));
 }
 
-/// Area times normal (its components are the projected areas), and the centroid.
-vec3 vectorArea(Polygon polygon, out vec3 centroid) {
+/// Area times normal (its components are the projected areas), and the middle.
+vec3 vectorArea(Polygon polygon, out vec3 middle) {
     vec3 area = vec3(0.0), moment = vec3(0.0), mean = vec3(0.0);
     float total = 0.0;
     for (int i = 0; i < polygon.count; ++i) {
@@ -51,7 +51,7 @@ vec3 vectorArea(Polygon polygon, out vec3 centroid) {
         total += size;
         moment += size * (polygon.corner[0] + polygon.corner[i - 1] + polygon.corner[i]) / 3.0;
     }
-    centroid = total > 0.0 ? moment / total : mean / float(max(polygon.count, 1));
+    middle = total > 0.0 ? moment / total : mean / float(max(polygon.count, 1));
     return area;
 }
 

@@ -35,6 +35,7 @@ void setConeUniforms(gl::Program& program, const Settings& settings, const Sky& 
     program.set("u_coneGain", settings.cone.gain);
     program.set("u_footprintCap", settings.cone.footprintCap);
     program.set("u_startOffset", settings.cone.offset);
+    program.set("u_headStart", settings.cone.headStart);
     program.set("u_nudge", settings.cone.nudge);
     program.set("u_coneMaxDistance", static_cast<float>(settings.cone.maxDistance) * inverseVoxelSize);
     program.set("u_aoDistance", static_cast<float>(settings.ao.distance) * inverseVoxelSize);

@@ -35,6 +35,7 @@ struct Settings {
         VoxelCoverage coverage = VoxelCoverage::area;
         bool conservative = true;
         int margin = 2;
+        double size = 0;
     } voxel;
     struct Light {
         int shadowResolution = 2048;
@@ -44,12 +45,13 @@ struct Settings {
     } light;
     struct Cone {
         int diffuse = 16;
-        double step = 1.5;
+        double step = 1;
         Compositing compositing = Compositing::linear;
         double gain = 1.25;
         double footprintCap = 4;
         StartOffset start = StartOffset::normal;
-        double offset = 1;
+        double offset = 0.5;
+        double headStart = 1;
         double nudge = 1;
         bool rotate = true;
         double maxDistance = 0;

@@ -65,6 +65,9 @@ class Renderer {
     /// Forgets the voxels, so that the next frame builds them again: for timing and for determinism tests.
     void invalidate();
 
+    /// Draws batches and triangles in reverse from now on: for tests that the order does not matter.
+    void reverseDrawOrder();
+
     const FrameStats& stats() const;
     std::vector<LeftOut> leftOut() const;
 

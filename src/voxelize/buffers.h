@@ -12,7 +12,7 @@ enum VoxelStorageBlock : int {
     kVoxelStorage = 5,
     kFaceStorage = 6,
     kCoverageStorage = 7,
-    kRadianceStorage = 4,  ///< while lighting: outgoing radiance of each face, coverage in w
+    kRadianceStorage = 1,  ///< while lighting: outgoing radiance of each face, coverage in w
     kDirectStorage = 7,    ///< while bouncing: radiance of the faces from lights and emission alone
 };
 

@@ -1,0 +1,42 @@
+// Diffuse cones of every pixel: mean radiance over the cosine-weighted hemisphere (irradiance / π) with the sky, and
+// openness in a.
+#include "frame/gbuffer.glsl"
+#include "cone/sky.glsl"
+#include "cone/trace.glsl"
+#include "cone/cone_set.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+
+uniform float u_inverseVoxelSize;
+layout(rgba32f) uniform writeonly image2D u_gathered;
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, imageSize(u_gathered)))) return;
+    GBufferSample s = loadGBuffer(pixel);
+    vec4 sum = vec4(0.0, 0.0, 0.0, 1.0);
+    if (s.hit) {
+        sum = vec4(0.0);
+        Cone cone;
+        cone.origin = s.position * u_inverseVoxelSize;
+        cone.normal = s.geometricNormal;
+        cone.tanHalfAngle = u_coneTanHalfAngle;
+        mat3 frame = frameAround(s.normal);
+#if ROTATE
+        // Sixteen orientations over a tile of 4 x 4 pixels, in the order of a Bayer matrix so that neighbours differ most;
+        // cone/filter.comp takes their mean.
+        const int kBayer[16] = int[](0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5);
+        int k = kBayer[(pixel.y & 3) * 4 + (pixel.x & 3)];
+        float turn = turnOf(k, 16), shift = shiftOf(k, 16);
+#else
+        float turn = 0.0, shift = 0.0;
+#endif
+        for (int i = 0; i < CONES; ++i) {
+            vec4 local = coneOfSet(i, turn, shift);
+            cone.direction = frame * local.xyz;
+            ConeResult result = traceCone(cone);
+            sum += local.w * vec4(result.radiance + result.transmittance * skyRadiance(cone.direction, cone.tanHalfAngle),
+                                  result.openness);
+        }
+    }
+    imageStore(u_gathered, pixel, sum);
+}

@@ -1,0 +1,32 @@
+// One cone towards a light, as wide as the light looks from the surface: what it keeps of its transmittance is the share of
+// the light that is seen (thesis, section 3.4.7).
+#include "frame/gbuffer.glsl"
+#include "cone/trace.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+
+uniform float u_inverseVoxelSize;
+uniform vec3 u_lightPosition;    // relative to the scene's origin; a unit direction for a directional light
+uniform float u_lightRadius;     // metres; sine of the angular radius for a directional light
+uniform bool u_directional;
+layout(r32f) uniform writeonly image2D u_visibility;
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, imageSize(u_visibility)))) return;
+    GBufferSample s = loadGBuffer(pixel);
+    float visibility = 1.0;
+    if (s.hit) {
+        vec3 toLight = u_directional ? u_lightPosition : u_lightPosition - s.position;
+        float distance_ = length(toLight);
+        Cone cone;
+        cone.origin = s.position * u_inverseVoxelSize;
+        cone.normal = s.geometricNormal;
+        cone.direction = toLight / distance_;
+        float sine = min(u_lightRadius / distance_, 0.99);
+        cone.tanHalfAngle = sine * inversesqrt(1.0 - sine * sine);
+        visibility = 0.0;
+        if (dot(cone.direction, cone.normal) > 0.0)
+            visibility = traceConeTo(cone, u_directional ? 1e30 : distance_ * u_inverseVoxelSize).transmittance;
+    }
+    imageStore(u_visibility, pixel, vec4(visibility));
+}

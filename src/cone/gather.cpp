@@ -1,0 +1,102 @@
+#include "cone/gather.h"
+
+#include "gl/bindings.h"
+
+namespace voxcone {
+
+namespace {
+
+// The cones take four texture units, the G-buffer those behind, and one more is a pass' own.
+constexpr int kConeUnit = gl::kPassTextureUnit, kGBufferUnit = kConeUnit + 4, kOwnUnit = gl::kEnvironmentUnit;
+constexpr int kOutputImage = 0;
+
+gl::Defines merged(gl::Defines a, const gl::Defines& b) {
+    a.insert(b.begin(), b.end());
+    return a;
+}
+
+void dispatchPixels(gl::Program& program, const gl::Texture& output, const char* image, GLenum format) {
+    output.bindImage(kOutputImage, 0, GL_WRITE_ONLY, format);
+    program.set(image, kOutputImage);
+    gl::dispatch(program, gl::groupsFor(output.width(), 8), gl::groupsFor(output.height(), 8), 1);
+    gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+}
+
+float inverseVoxelSize(const RadianceVolume& volume) { return static_cast<float>(1 / volume.voxels->grid.voxelSize); }
+
+}  // namespace
+
+DiffusePass::DiffusePass(const gl::ShaderLibrary& shaders, const Settings& settings, const Sky& sky,
+                         const gl::Defines& gbufferDefines, int width, int height)
+    : settings_(settings) {
+    gl::Defines defines = merged(coneSetDefines(settings, sky, settings.cone.diffuse), gbufferDefines);
+    defines["ROTATE"] = settings.cone.rotate ? "1" : "0";
+    gather_ = shaders.compute("cone/diffuse.comp", defines);
+    gl::Defines filterDefines = gbufferDefines;
+    filterDefines["ROTATE"] = defines["ROTATE"];
+    filter_ = shaders.compute("cone/filter.comp", filterDefines);
+    gathered_ = gl::Texture::create2D(GL_RGBA32F, width, height);
+    diffuse_ = gl::Texture::create2D(GL_RGBA32F, width, height);
+}
+
+void DiffusePass::run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
+                      gl::PassTimers& timers) {
+    {
+        const auto pass = timers.pass("cones: diffuse");
+        setConeUniforms(gather_, settings_, sky, volume, settings_.cone.step, kConeUnit);
+        setConeSetUniforms(gather_, settings_.cone.diffuse);
+        gather_.set("u_inverseVoxelSize", inverseVoxelSize(volume));
+        bindGBuffer(gather_, kGBufferUnit);
+        dispatchPixels(gather_, gathered_, "u_gathered", GL_RGBA32F);
+    }
+    const auto pass = timers.pass("cones: filter");
+    gathered_.bindTo(kOwnUnit);
+    filter_.set("u_gathered", kOwnUnit);
+    filter_.set("u_voxelSize", static_cast<float>(volume.voxels->grid.voxelSize));
+    bindGBuffer(filter_, kGBufferUnit);
+    dispatchPixels(filter_, diffuse_, "u_diffuse", GL_RGBA32F);
+}
+
+SpecularPass::SpecularPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Sky& sky,
+                           const gl::Defines& gbufferDefines, const gl::Texture& specularAlbedo, int width, int height)
+    : settings_(settings), specularAlbedo_(specularAlbedo) {
+    gl::Defines defines = merged(coneDefines(settings, sky), gbufferDefines);
+    defines["APERTURE_GGX"] = settings.specular.aperture == SpecularAperture::ggx ? "1" : "0";
+    defines["AO_DISTANCE"] = "0";
+    program_ = shaders.compute("cone/specular.comp", defines);
+    specular_ = gl::Texture::create2D(GL_RGBA32F, width, height);
+}
+
+void SpecularPass::run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
+                       gl::PassTimers& timers) {
+    const auto pass = timers.pass("cones: specular");
+    setConeUniforms(program_, settings_, sky, volume, settings_.specular.step, kConeUnit);
+    program_.set("u_inverseVoxelSize", inverseVoxelSize(volume));
+    specularAlbedo_.bindTo(kOwnUnit);
+    program_.set("u_specularAlbedo", kOwnUnit);
+    bindGBuffer(program_, kGBufferUnit);
+    dispatchPixels(program_, specular_, "u_specular", GL_RGBA32F);
+}
+
+SoftShadowPass::SoftShadowPass(const gl::ShaderLibrary& shaders, const Settings& settings,
+                               const gl::Defines& gbufferDefines, int width, int height)
+    : settings_(settings) {
+    gl::Defines defines = merged(coneDefines(settings, Sky{}), gbufferDefines);
+    defines["AO_DISTANCE"] = "0";
+    program_ = shaders.compute("cone/soft_shadow.comp", defines);
+    visibility_ = gl::Texture::create2D(GL_R32F, width, height);
+}
+
+void SoftShadowPass::run(const RadianceVolume& volume, const glm::vec3& position, float radius, bool directional,
+                         const BindGBuffer& bindGBuffer, gl::PassTimers& timers) {
+    const auto pass = timers.pass("cones: soft shadow");
+    setConeUniforms(program_, settings_, Sky{}, volume, settings_.cone.step, kConeUnit);
+    program_.set("u_inverseVoxelSize", inverseVoxelSize(volume));
+    program_.set("u_lightPosition", position);
+    program_.set("u_lightRadius", radius);
+    program_.set("u_directional", directional);
+    bindGBuffer(program_, kGBufferUnit);
+    dispatchPixels(program_, visibility_, "u_visibility", GL_R32F);
+}
+
+}  // namespace voxcone

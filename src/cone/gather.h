@@ -1,0 +1,72 @@
+// What the picture's pixels gather by cones: diffuse light with openness, specular light.
+#pragma once
+
+#include <functional>
+
+#include "cone/cone_uniforms.h"
+#include "gl/pass_timers.h"
+
+namespace voxcone {
+
+/// Binds what frame/gbuffer.glsl reads to a program, at texture units from `firstUnit`.
+using BindGBuffer = std::function<void(gl::Program&, int firstUnit)>;
+
+class DiffusePass {
+  public:
+    /// `gbufferDefines`: those that frame/gbuffer.glsl is compiled with. Size in pixels of the G-buffer.
+    DiffusePass(const gl::ShaderLibrary& shaders, const Settings& settings, const Sky& sky,
+                const gl::Defines& gbufferDefines, int width, int height);
+
+    /// Passes "cones: diffuse" and "cones: filter".
+    void run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer, gl::PassTimers& timers);
+
+    /// RGBA32F: indirect diffuse radiance towards the eye, W/(m² sr), and openness (1 on the background).
+    const gl::Texture& texture() const { return diffuse_; }
+    std::uint64_t bytes() const { return gathered_.bytes() + diffuse_.bytes(); }
+
+  private:
+    Settings settings_;
+    gl::Program gather_, filter_;
+    gl::Texture gathered_, diffuse_;
+};
+
+class SpecularPass {
+  public:
+    /// `specularAlbedo`: light/specular_table.h; it must outlive this pass.
+    SpecularPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Sky& sky,
+                 const gl::Defines& gbufferDefines, const gl::Texture& specularAlbedo, int width, int height);
+
+    /// Pass "cones: specular".
+    void run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer, gl::PassTimers& timers);
+
+    /// RGBA32F: indirect specular radiance towards the eye, W/(m² sr).
+    const gl::Texture& texture() const { return specular_; }
+
+  private:
+    Settings settings_;
+    const gl::Texture& specularAlbedo_;
+    gl::Program program_;
+    gl::Texture specular_;
+};
+
+/// Visibility of one sphere or point of light through cones: the channel `soft_shadow`.
+class SoftShadowPass {
+  public:
+    SoftShadowPass(const gl::ShaderLibrary& shaders, const Settings& settings, const gl::Defines& gbufferDefines,
+                   int width, int height);
+
+    /// Pass "cones: soft shadow". The light is at `position` (relative to the scene's origin, metres) with `radius`, or,
+    /// when `directional`, lies towards `position` as a unit direction and `radius` is the sine of its angular radius.
+    void run(const RadianceVolume& volume, const glm::vec3& position, float radius, bool directional,
+             const BindGBuffer& bindGBuffer, gl::PassTimers& timers);
+
+    /// R32F: share of the light that is seen, 0 to 1; 1 on the background.
+    const gl::Texture& texture() const { return visibility_; }
+
+  private:
+    Settings settings_;
+    gl::Program program_;
+    gl::Texture visibility_;
+};
+
+}  // namespace voxcone

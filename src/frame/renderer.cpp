@@ -1,0 +1,272 @@
+#include "frame/renderer.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "cascade/grid.h"
+#include "cone/gather.h"
+#include "core/check.h"
+#include "core/error.h"
+#include "frame/gbuffer.h"
+#include "frame/tonemap.h"
+#include "frame/voxel_view.h"
+#include "gl/bindings.h"
+#include "gl/context.h"
+#include "gl/gpu_environment.h"
+#include "gl/gpu_scene.h"
+#include "gl/pass_timers.h"
+#include "light/direct.h"
+#include "light/radiance.h"
+#include "light/shadow_maps.h"
+#include "light/specular_table.h"
+#include "voxelize/voxelizer.h"
+
+namespace voxcone {
+
+namespace {
+
+gl::TimerMode timerMode(const gl::Context& context, PassTimer setting) {
+    switch (setting) {
+        case PassTimer::query: return gl::TimerMode::query;
+        case PassTimer::finish: return gl::TimerMode::finish;
+        case PassTimer::automatic: break;
+    }
+    return gl::suitableTimerMode(context.info());
+}
+
+}  // namespace
+
+/// Passes hold the programs and textures of one scene under one tree of settings. Those that the scene or the settings do
+/// not need are absent.
+struct Renderer::Impl {
+    Impl(gl::Context& glContext, const Scene& renderedScene, const Settings& givenSettings, double time)
+        : context(glContext),
+          scene(renderedScene),
+          settings(givenSettings),
+          width(settings.output.width * settings.output.supersample),
+          height(settings.output.height * settings.output.supersample),
+          timers(timerMode(context, settings.device.timer)),
+          environment(scene.environment),
+          sky(skyOf(environment)),
+          gpuScene(scene, time),
+          shadowMaps(context, shaders, settings.light),
+          gbuffer(shaders, gpuScene, width, height),
+          composite(shaders, gbuffer, sky),
+          readout(shaders) {
+        const int limit = context.info().max2DTextureSize;
+        if (width > limit || height > limit)
+            throw DeviceError(fmt::format("a picture of {}x{} samples is beyond GL_MAX_TEXTURE_SIZE {}", width, height, limit));
+        const bool lights = !scene.lights.empty();
+        if (lights) direct = std::make_unique<DirectPass>(shaders, gbuffer.defines(), width, height);
+        if (gpuScene.empty()) return;
+        voxelizer = std::make_unique<Voxelizer>(context, shaders, gpuScene, settings);
+        field = std::make_unique<RadianceField>(shaders, settings, sky, lights);
+        diffuse = std::make_unique<DiffusePass>(shaders, settings, sky, gbuffer.defines(), width, height);
+        if (settings.specular.enabled && anySpecular()) {
+            specularAlbedo = specularAlbedoTexture();
+            specular = std::make_unique<SpecularPass>(shaders, settings, sky, gbuffer.defines(), specularAlbedo, width, height);
+        }
+        if (settings.shadow.cones && lights)
+            softShadow = std::make_unique<SoftShadowPass>(shaders, settings, gbuffer.defines(), width, height);
+    }
+
+    bool anySpecular() const {
+        for (const Material& m : scene.materials)
+            if (!m.unlit && (m.metallic > 0 || m.specularFactor > 0)) return true;
+        return false;
+    }
+
+    /// The scene to voxels, shadow maps and lit voxels, when anything has changed.
+    void updateVoxels() {
+        const VoxelGrid grid =
+            fitGrid(gpuScene.bounds(), settings.voxel.resolution, settings.voxel.margin, settings.voxel.size);
+        gpuScene.setOrigin(grid.origin);
+        shadowMaps.update(gpuScene, timers);
+        if (voxelizer) {
+            voxels = voxelizer->voxelize(gpuScene, grid, timers);
+            field->update(voxels, sky, [this](gl::Program& program) { shadowMaps.bind(program); }, timers);
+            if (shadowMaps.lightCount() > 0) shadowMaps.unbind();
+        }
+        changed = false;
+    }
+
+    /// The frame, pass by pass.
+    void render(const Camera& worldCamera) {
+        timers.beginFrame();
+        if (changed) updateVoxels();
+        gbuffer.draw(gpuScene, cameraView(worldCamera, gpuScene.origin(), gpuScene.bounds(), width, height), timers);
+        const auto bindGBuffer = [this](gl::Program& program, int unit) { gbuffer.bind(program, unit); };
+        std::vector<const gl::Texture*> layers;
+        if (direct && shadowMaps.lightCount() > 0) {
+            direct->run(shadowMaps, [&](gl::Program& program) { bindGBuffer(program, gl::kPassTextureUnit); }, timers);
+            layers.push_back(&direct->texture());
+        }
+        if (voxelizer) {
+            const RadianceVolume volume = field->volume(voxels);
+            diffuse->run(volume, sky, bindGBuffer, timers);
+            layers.push_back(&diffuse->texture());
+            if (specular) {
+                specular->run(volume, sky, bindGBuffer, timers);
+                layers.push_back(&specular->texture());
+            }
+            if (softShadow) runSoftShadow(volume, bindGBuffer);
+        }
+        composite.run(gbuffer, sky, layers, settings.output.exposure, timers);
+        timers.endFrame();
+        collectStats();
+    }
+
+    void runSoftShadow(const RadianceVolume& volume, const BindGBuffer& bindGBuffer) {
+        const Light light = worldLight(scene.lights.front(), gpuScene.worldMatrices());
+        const bool directional = light.type == LightType::directional;
+        // A rectangle as the disc of its area.
+        const double radius = light.type == LightType::rectangle ? std::sqrt(light.width * light.height / M_PI) : light.radius;
+        const glm::vec3 position = directional ? glm::vec3(-light.direction) : glm::vec3(light.position - gpuScene.origin());
+        softShadow->run(volume, position, static_cast<float>(directional ? 0.0 : radius), directional, bindGBuffer, timers);
+    }
+
+    void collectStats() {
+        timers.wait();
+        stats = FrameStats{};
+        for (const gl::PassTime& pass : timers.results()) stats.passes.push_back({pass.name, pass.milliseconds});
+        stats.frameMilliseconds = timers.frameMilliseconds();
+        stats.timer = timers.modeName();
+        const auto memory = [&](const char* name, std::uint64_t bytes) {
+            if (bytes > 0) stats.memory.push_back({name, bytes});
+        };
+        memory("scene geometry", gpuScene.bufferBytes());
+        memory("scene textures", gpuScene.textureBytes());
+        memory("environment", environment.panorama.bytes());
+        memory("shadow maps", shadowMaps.bytes());
+        memory("g-buffer", gbuffer.bytes());
+        if (direct) memory("direct light", direct->bytes());
+        if (voxelizer) {
+            memory("voxel index", voxelizer->index().bytes());
+            memory("voxel lists", voxels.list.bytes() + voxels.faces.bytes() + voxels.coverage.bytes());
+            memory("coverage volumes", voxels.coveragePositive.bytes() + voxels.coverageNegative.bytes());
+            memory("radiance volume and faces", field->bytes());
+            memory("diffuse cones", diffuse->bytes());
+            if (specular) memory("specular cones", specular->texture().bytes());
+            if (softShadow) memory("soft shadow", softShadow->texture().bytes());
+        }
+        memory("beauty", composite.beauty().bytes());
+        stats.counts["triangles"] = gpuScene.triangleCount();
+        stats.counts["voxels_occupied"] = voxels.count;
+        stats.counts["voxel_fragments"] = voxels.counters.fragments;
+        stats.counts["voxel_sums_saturated"] = voxels.counters.saturated;
+        stats.counts["radiance_clamped"] = field ? field->clamped() : 0;
+    }
+
+    Image channel(const std::string& name) {
+        const int n = settings.output.supersample;
+        const auto layer = [&](const gl::Texture* texture, int channels) {
+            return texture ? readout.read(*texture, channels, n)
+                           : Image(settings.output.width, settings.output.height, channels);
+        };
+        if (name == "beauty") return readout.read(composite.beauty(), 3, n);
+        if (name == "direct") return layer(direct ? &direct->texture() : nullptr, 3);
+        if (name == "indirect_diffuse") return layer(diffuse ? &diffuse->texture() : nullptr, 3);
+        if (name == "indirect_specular") return layer(specular ? &specular->texture() : nullptr, 3);
+        if (name == "ao") {
+            const Image four = layer(diffuse ? &diffuse->texture() : nullptr, 4);
+            Image ao(four.width, four.height, 1);
+            for (std::size_t i = 0; i < ao.data.size(); ++i) ao.data[i] = diffuse ? four.data[4 * i + 3] : 1;
+            return ao;
+        }
+        if (name == "soft_shadow") {
+            if (softShadow) return readout.read(softShadow->texture(), 1, n);
+            Image lit(settings.output.width, settings.output.height, 1);
+            std::fill(lit.data.begin(), lit.data.end(), 1.0f);
+            return lit;
+        }
+        if (name.rfind("voxel_", 0) == 0) {
+            if (!voxelView) voxelView = std::make_unique<VoxelView>(shaders, width, height);
+            Image empty(settings.output.width, settings.output.height, 3);
+            if (!voxelizer) return empty;
+            voxelView->draw(name, gbuffer.view(), voxels, voxelizer->index(), field->faces());
+            return readout.read(voxelView->texture(), 3, n);
+        }
+        return gbuffer.channel(name, n);
+    }
+
+    gl::Context& context;
+    const Scene& scene;
+    const Settings settings;
+    const int width, height;  ///< of the G-buffer
+    gl::ShaderLibrary shaders;
+    gl::PassTimers timers;
+    gl::GpuEnvironment environment;
+    Sky sky;
+    gl::GpuScene gpuScene;
+    ShadowMaps shadowMaps;
+    GBuffer gbuffer;
+    std::unique_ptr<DirectPass> direct;
+    std::unique_ptr<Voxelizer> voxelizer;
+    std::unique_ptr<RadianceField> field;
+    Voxels voxels;
+    std::unique_ptr<DiffusePass> diffuse;
+    gl::Texture specularAlbedo;
+    std::unique_ptr<SpecularPass> specular;
+    std::unique_ptr<SoftShadowPass> softShadow;
+    Composite composite;
+    Readout readout;
+    std::unique_ptr<VoxelView> voxelView;
+    bool changed = true;
+    FrameStats stats;
+};
+
+Renderer::Renderer(gl::Context& context, const Scene& scene, const Settings& settings, double time)
+    : impl_(std::make_unique<Impl>(context, scene, settings, time)) {}
+Renderer::~Renderer() = default;
+
+void Renderer::setTime(double time) {
+    if (time == impl_->gpuScene.time()) return;
+    impl_->gpuScene.setTime(time);
+    impl_->changed = true;
+}
+
+void Renderer::render(const Camera& worldCamera) { impl_->render(worldCamera); }
+
+Image Renderer::channel(const std::string& name) { return impl_->channel(name); }
+
+Image Renderer::display() {
+    return impl_->readout.display(impl_->composite.beauty(), impl_->settings.output.toneMap,
+                                  impl_->settings.output.supersample);
+}
+
+void Renderer::invalidate() {
+    impl_->shadowMaps.invalidate();
+    impl_->changed = true;
+}
+
+void Renderer::reverseDrawOrder() {
+    impl_->gpuScene.reverseDrawOrder();
+    invalidate();
+}
+
+const FrameStats& Renderer::stats() const { return impl_->stats; }
+
+std::vector<LeftOut> Renderer::leftOut() const {
+    const Impl& r = *impl_;
+    std::vector<LeftOut> out;
+    if (r.scene.lights.empty()) out.push_back({"shadow maps, direct light", "the scene has no analytic light"});
+    if (r.gpuScene.empty()) out.push_back({"voxels, cones", "the scene has no triangles"});
+    if (!r.gpuScene.anyEmission()) out.push_back({"emission sums and G-buffer channel", "no material emits"});
+    if (!r.gpuScene.anyAlphaTest()) out.push_back({"alpha-tested shaders", "no material is masked or blended"});
+    if (r.sky.kind() == 0) out.push_back({"sky", "the environment is black"});
+    if (r.sky.kind() == 1) out.push_back({"environment texture", "the environment is one colour"});
+    if (!r.specular && !r.gpuScene.empty())
+        out.push_back({"specular cones", r.settings.specular.enabled ? "no material reflects specularly" : "specular.enabled is false"});
+    if (!r.softShadow) out.push_back({"soft shadow cones", "shadow.cones is false"});
+    if (r.settings.voxel.storage != VoxelStorage::six_face) out.push_back({"coverage volumes", "voxel.storage is isotropic"});
+    if (r.settings.ao.distance <= 0) out.push_back({"occluder distances", "ao.distance is 0: all occluders count"});
+    for (const Material& m : r.scene.materials)
+        if (m.transmission > 0) {
+            out.push_back({"transmission", "not modelled yet: transmitting materials are opaque"});
+            break;
+        }
+    return out;
+}
+
+}  // namespace voxcone

@@ -65,7 +65,7 @@ TEST(WrongUsage, Exits2AndSaysTheRightUsage) {
         {{"reference", kCornell, "--out", "x", "--spp", "0"}, "reference.samples"},
         {{"compare", "a.exr"}, "usage: voxcone compare REFERENCE TEST"},
         {{"compare", kCornell, kCornell, "--fail-above", "relmse"}, "expected metric=value"},
-        {{"compare", kCornell, kCornell, "--fail-above", "remse=1"}, "did you mean \"rmse\"?"},
+        {{"compare", kCornell, kCornell, "--fail-above", "rmsee=1"}, "did you mean \"rmse\"?"},
         {{"compare", kCornell, VOXCONE_SOURCE_DIR "/assets"}, "two files or two folders"},
     };
     for (const Mistake& mistake : mistakes) {

@@ -1,5 +1,7 @@
 #include "capture/capture.h"
 
+#include <algorithm>
+
 #include "capture/output.h"
 #include "core/progress.h"
 #include "frame/renderer.h"
@@ -23,6 +25,17 @@ json frameJson(const FrameStats& stats, int frame, double time) {
     }
     return {{"frame", frame},   {"time_s", time},   {"timer", stats.timer},  {"frame_ms", stats.frameMilliseconds},
             {"passes", passes}, {"memory", memory}, {"memory_bytes", bytes}, {"counts", stats.counts}};
+}
+
+/// Drivers compile shaders at their first use: a frame of the same passes, but tiny, keeps that out of the times.
+void warmUp(const CaptureScript& script, gl::Context& context) {
+    Settings tiny = script.settings;
+    tiny.output.width = tiny.output.height = 16;
+    tiny.voxel.resolution = 16;
+    tiny.light.shadowResolution = 128;
+    tiny.light.bounces = std::min(tiny.light.bounces, 1);
+    Renderer renderer(context, script.scene, tiny);
+    renderer.render(worldCamera(script.shots.front().camera, script.scene.worldMatrices()));
 }
 
 }  // namespace
@@ -50,13 +63,12 @@ json describeDevice(const gl::DeviceInfo& info) {
 
 std::vector<fs::path> runCapture(const CaptureScript& script, gl::Context& context, const fs::path& out) {
     ShotWriter writer(out);
+    warmUp(script, context);
     Renderer renderer(context, script.scene, script.settings);
     Progress progress("capture " + script.scene.file.stem().string());
     int frames = 0, done = 0;
     for (const Shot& shot : script.shots) frames += shot.frames;
 
-    // Shaders are compiled by their first use: that frame is not measured.
-    renderer.render(worldCamera(script.shots.front().camera, script.scene.worldMatrices()));
     for (const Shot& shot : script.shots) {
         json stats = statsHead("capture", script, shot);
         stats["device"] = describeDevice(context.info());

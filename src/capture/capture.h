@@ -17,8 +17,8 @@ struct DeviceInfo;
 /// Renders every shot of `script` on the current context. Writes out/<shot>/<channel>.<frame>.exr and .png and
 /// out/<shot>/stats.json (times of the passes, memory, counts, settings, device), each whole or not at all. The first
 /// frame of a shot builds voxels and shadow maps anew, so that its times are those of a scene that has just been
-/// loaded; one frame is drawn beforehand and thrown away, so that no shader is compiled within them. Returns the files
-/// in the order written. Throws InputError for files that cannot be written, DeviceError for limits.
+/// loaded; a tiny frame is drawn beforehand and thrown away, so that no shader is compiled within them. Returns the
+/// files in the order written. Throws InputError for files that cannot be written, DeviceError for limits.
 std::vector<std::filesystem::path> runCapture(const CaptureScript& script, gl::Context& context,
                                               const std::filesystem::path& out);
 

@@ -66,13 +66,13 @@ float footprint(Cone cone, float offset, float t) {
 }
 
 #if SIX_FACE
-/// Takes away the surface that the cone leaves. Filtering spreads it 1.5 |n|_1 voxels high, over the start of the cone,
+/// Takes away the surface that the cone leaves. Filtering spreads it 1.5 |n|_1 footprints high, over the start of the cone,
 /// where its net normal would cancel that of a wall beside it, and the back of a sheet would stop the cone. What a plane
 /// with this normal adds to the faces is proportional to the normal, so it is at most what all of them have in common, and
 /// at most what the plane's filtered profile allows at this height.
-void withoutOwnPlane(Cone cone, float height, inout vec3 positive, inout vec3 negative) {
+void withoutOwnPlane(Cone cone, float height, float diameter, inout vec3 positive, inout vec3 negative) {
     vec3 a = abs(cone.normal);
-    float profile = clamp(1.5 - height / (a.x + a.y + a.z), 0.0, 1.0);
+    float profile = clamp(1.5 - height / (diameter * (a.x + a.y + a.z)), 0.0, 1.0) / diameter;
     if (profile == 0.0) return;
     bvec3 up = greaterThan(cone.normal, vec3(0.0));
     bvec3 edgeOn = lessThan(a, vec3(0.05));
@@ -135,7 +135,7 @@ ConeResult traceConeTo(Cone cone, float reach) {
         vec3 negative = textureLod(u_coverageNegative, unit, lod).xyz;
         vec3 a = abs(d);
 #if START_NORMAL
-        withoutOwnPlane(cone, offset + t * dot(n, d), positive, negative);
+        withoutOwnPlane(cone, offset + (t + 0.5 * ds) * dot(n, d), diameter, positive, negative);
 #endif
         float density = max(0.0, dot(negative - positive, d)) + dot(a, min(positive, negative));
 #else
@@ -154,18 +154,15 @@ ConeResult traceConeTo(Cone cone, float reach) {
 #endif
             float stopped = result.transmittance - after;
 #if SIX_FACE
-            // Faces met look against the cone. The one that fills most counts most: it hides what lies behind it.
+            // Of the faces met (those that look against the cone) the one that fills most is seen: it hides what lies
+            // behind it. All faces of one surface hold the same radiance, so that nothing jumps where another takes over.
             bvec3 ascending = greaterThan(d, vec3(0.0));
-            vec3 met = a * mix(positive, negative, ascending);
-            float most = max(met.x, max(met.y, met.z));
-            if (most > 0.0 && stopped > 0.0) {
-                vec3 share = met / most;
-                share = share * share * share * a;
-                vec3 rx = textureLod(u_radiance, textureCoordinates(x, lod, ascending.x ? 1 : 0), lod).rgb;
-                vec3 ry = textureLod(u_radiance, textureCoordinates(x, lod, ascending.y ? 3 : 2), lod).rgb;
-                vec3 rz = textureLod(u_radiance, textureCoordinates(x, lod, ascending.z ? 5 : 4), lod).rgb;
-                float whole = dot(share, met / max(a, vec3(1e-20)));
-                result.radiance += stopped * (share.x * rx + share.y * ry + share.z * rz) / whole;
+            vec3 met = mix(positive, negative, ascending);
+            vec3 seen = a * met;
+            int axis = seen.x >= seen.y && seen.x >= seen.z ? 0 : (seen.y >= seen.z ? 1 : 2);
+            if (seen[axis] > 0.0 && stopped > 0.0) {
+                vec3 stored = textureLod(u_radiance, textureCoordinates(x, lod, 2 * axis + int(ascending[axis])), lod).rgb;
+                result.radiance += stored * (stopped / met[axis]);
             }
 #else
             result.radiance += stopped * voxel.rgb / voxel.a;

@@ -9,4 +9,4 @@
 #define DIRECT_STORAGE 7
 
 // In the order of VoxelCounters.
-#define VOXEL_COUNTERS uint b_occupied, b_saturated, b_fragments, b_clamped, b_brightest;
+#define VOXEL_COUNTERS uint b_occupied, b_saturated, b_fragments, b_clamped, b_brightest, b_added[6];

@@ -26,14 +26,14 @@ struct Preset {
 };
 constexpr Preset kPresets[] = {
     {"thesis", R"({"voxel": {"storage": "isotropic", "averaging": "compare_and_swap", "coverage": "binary"},
-                   "light": {"bounces": 0},
+                   "light": {"bounces": 0, "extrapolate": false},
                    "cone": {"diffuse": 9, "compositing": "alpha", "start": "nudge", "footprint_cap": 0, "step": 1,
                             "rotate": false},
                    "specular": {"aperture": "linear"}})"},
-    {"fast", R"({"light": {"bounces": 2, "bounce_cones": 6}, "cone": {"diffuse": 6, "step": 1.5}})"},
+    {"fast", R"({"light": {"bounces": 2, "bounce_cones": 5}, "cone": {"diffuse": 6, "step": 1.5}})"},
     {"balanced", "{}"},
-    {"accurate", R"({"light": {"bounces": 8, "bounce_cones": 32},
-                     "cone": {"diffuse": 32, "step": 1, "footprint_cap": 6}, "specular": {"step": 0.5}})"},
+    {"accurate", R"({"light": {"bounces": 6, "bounce_cones": 16},
+                     "cone": {"diffuse": 32, "footprint_cap": 6}, "specular": {"step": 0.5}})"},
 };
 
 template <class E>
@@ -156,6 +156,8 @@ std::vector<Field> fields(Settings& s) {
         integer("light.bounces", s.light.bounces, 0, 64, "",
                 "bounces between voxels before the one the picture's cones gather"),
         oneOf("light.bounce_cones", s.light.bounceCones, {1, 5, 6, 9, 16, 32}, "", "cones a voxel face gathers a bounce with"),
+        flag("light.extrapolate", s.light.extrapolate,
+             "add the bounces that were left out as the geometric series that the last two begin"),
         oneOf("cone.diffuse", s.cone.diffuse, {1, 5, 6, 9, 16, 32}, "", "diffuse cones a pixel"),
         number("cone.step", s.cone.step, 0.1, 4, "footprints", "distance between samples"),
         choice("cone.compositing", s.cone.compositing, {"linear", "exponential", "alpha"},

@@ -40,8 +40,9 @@ struct Settings {
     struct Light {
         int shadowResolution = 2048;
         double shadowFilter = 1.5;
-        int bounces = 4;
-        int bounceCones = 16;
+        int bounces = 3;
+        int bounceCones = 6;
+        bool extrapolate = true;
     } light;
     struct Cone {
         int diffuse = 16;

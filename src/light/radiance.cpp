@@ -11,6 +11,9 @@ namespace {
 
 constexpr int kVolumeImage = 0;
 
+/// Gain of a bounce beyond which no series is believed: a scene that reflects all of its light has no answer.
+constexpr double kMostGain = 0.98;
+
 /// Groups of 64 for `count` items, spread over two dimensions: one alone may hold only 65535 groups.
 void dispatchItems(gl::Program& program, std::uint32_t count) {
     const int groups = static_cast<int>((count + 63) / 64);
@@ -74,13 +77,30 @@ void RadianceField::update(const Voxels& voxels, const Sky& sky, const std::func
         if (direct_.bytes() != faceBytes) direct_ = gl::Buffer(faceBytes);
         direct_.copyFrom(radiance_);
         direct_.bindBase(GL_SHADER_STORAGE_BUFFER, kDirectStorage);
+        // The sums have 12 bits below the storage's unit: enough to see a ratio of increments when they are all dim.
+        bounce_.set("u_fixedPointUnit", 4096 / scale_);
+        glm::dvec3 addedBefore(0), ratio(0);
         for (int i = 0; i < settings_.light.bounces; ++i) {
+            const bool last = i + 1 == settings_.light.bounces;
+            // Bounces k and k+1 add in the ratio ρ of a geometric series: the rest is ρ/(1−ρ) of the last.
+            const glm::dvec3 tail = last && settings_.light.extrapolate && i > 0 ? ratio / (1.0 - ratio) : glm::dvec3(0);
+            bounce_.set("u_tail", glm::vec3(tail));
+            bounce_.set("u_bounce", i);
             bounce_.set("u_faceCount", faces);
             setConeUniforms(bounce_, settings_, sky, volume(voxels), settings_.cone.step, gl::kPassTextureUnit);
             setConeSetUniforms(bounce_, settings_.light.bounceCones);
             dispatchItems(bounce_, faces);
-            gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+            gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
             store(voxels);
+            if (last) break;
+            VoxelCounters now = counters.read<VoxelCounters>()[0];
+            for (int c = 0; c < 3; ++c) {
+                const double added = std::ldexp(static_cast<double>(now.added[2 * c + 1]), 32) + now.added[2 * c];
+                ratio[c] = addedBefore[c] > 0 ? std::min(added / addedBefore[c], kMostGain) : 0;
+                addedBefore[c] = added;
+                now.added[2 * c] = now.added[2 * c + 1] = 0;
+            }
+            counters.upload(&now, sizeof now);
         }
     }
     counters_ = counters.read<VoxelCounters>()[0];

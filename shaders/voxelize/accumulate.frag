@@ -112,7 +112,7 @@ void main() {
     vec2 uvArea = abs(uvE1.xz * uvE2.yw - uvE1.yw * uvE2.xz);
     vec2 uvPerVoxel = sqrt(uvArea / length(cross(f_p1 - f_p0, f_p2 - f_p0)));
 
-    ivec2 depths = depthRange(vec2(cell), u_resolution);
+    ivec2 depths = depthRange(column, u_resolution);
     for (int z = depths.x; z <= depths.y; ++z) {
         Polygon inside = column;
         for (int plane = 0; plane < 2; ++plane) clipPolygon(inside, 2, float(z + plane), plane == 0 ? 1.0 : -1.0);

@@ -55,15 +55,13 @@ vec3 vectorArea(Polygon polygon, out vec3 middle) {
     return area;
 }
 
-/// First and last cell along z that the triangle's plane reaches over the pixel cell (x, y), inside the triangle's z range.
-ivec2 depthRange(vec2 cell, int resolution) {
-    vec3 n = cross(f_p1 - f_p0, f_p2 - f_p0);
-    vec2 slope = -n.xy / n.z;
-    float centre = f_p0.z + dot(slope, cell + 0.5 - f_p0.xy);
-    float reach = 0.5 * (abs(slope.x) + abs(slope.y)) + 1e-3;
-    float low = max(centre - reach, min(f_p0.z, min(f_p1.z, f_p2.z)));
-    float high = min(centre + reach, max(f_p0.z, max(f_p1.z, f_p2.z)));
-    return clamp(ivec2(floor(vec2(low, high))), ivec2(0), ivec2(resolution - 1));
+/// First and last cell along z that `column`, clipped to its pixel already, reaches. Not from the triangle's plane: the
+/// normal of a sliver is too uncertain to tell its depth some voxels on.
+ivec2 depthRange(Polygon column, int resolution) {
+    vec2 range = column.corner[0].zz;
+    for (int i = 1; i < column.count; ++i)
+        range = vec2(min(range.x, column.corner[i].z), max(range.y, column.corner[i].z));
+    return ivec2(floor(vec2(max(range.x, 0.0), min(range.y, float(resolution - 1)))));
 }
 
 vec3 unpermute(vec3 p, int axis) { return axis == 2 ? p : (axis == 0 ? p.zxy : p.yzx); }

@@ -15,7 +15,7 @@ void main() {
         clipPolygon(column, axis, float(cell[axis] + int(upper)), upper ? -1.0 : 1.0);
     }
     if (column.count == 0) return;
-    ivec2 depths = depthRange(vec2(cell), u_resolution);
+    ivec2 depths = depthRange(column, u_resolution);
     for (int z = depths.x; z <= depths.y; ++z) {
         Polygon inside = column;
         for (int plane = 0; plane < 2; ++plane) clipPolygon(inside, 2, float(z + plane), plane == 0 ? 1.0 : -1.0);

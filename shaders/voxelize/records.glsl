@@ -1,4 +1,4 @@
-// The records of occupied voxels. The C++ twin of the sizes is src/voxelize/records.h.
+// The records of occupied voxels. Twin of src/voxelize/records.h.
 //
 // Faces of a voxel: 0 +x, 1 -x, 2 +y, 3 -y, 4 +z, 5 -z, named by the side that the surface looks to.
 //

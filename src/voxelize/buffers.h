@@ -1,14 +1,15 @@
-// Storage blocks of the voxels and what is in them. Twin of shaders/voxelize/buffers.glsl and records.glsl.
+// Storage blocks of the voxels and what is in them. Twin of shaders/voxelize/buffers.glsl.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
+
+#include "voxelize/records.h"
 
 namespace voxcone {
 
 enum VoxelStorageBlock : int {
     kCounterStorage = 3,
-    kRecordStorage = 4,    ///< sums, while voxelizing
+    kRecordStorage = 4,  ///< sums, while voxelizing
     kVoxelStorage = 5,
     kFaceStorage = 6,
     kCoverageStorage = 7,
@@ -25,13 +26,5 @@ struct VoxelCounters {
     /// Sums over faces of what the last bounce added, red, green and blue, each as low and high word.
     std::uint32_t added[6] = {};
 };
-
-/// A face of a resolved voxel: albedo, normal, position, emission, packed.
-struct FaceRecord {
-    std::uint32_t albedo, normal, position, emission;
-};
-
-/// Words of a face's sums.
-constexpr int faceWords(bool compareAndSwap, bool emission) { return compareAndSwap ? 4 : emission ? 16 : 10; }
 
 }  // namespace voxcone

@@ -96,6 +96,40 @@ vec3 textureCoordinates(vec3 x, float lod, int face) {
 }
 #endif
 
+#if SIX_FACE
+/// What a cone meets at one place.
+struct Crossing {
+    float density;  // optical density against the cone
+    vec3 facing;    // densities, by axis, of the faces that look against the cone, without the cone's own surface
+    vec3 stored;    // the same with it, as the stored radiance is weighted
+};
+
+/// `x` is `height` above the tangent plane of the cone's origin.
+Crossing crossingAt(Cone cone, vec3 x, float height, float diameter, float lod) {
+    vec3 unit = x / float(u_resolution);
+    vec3 positive = textureLod(u_coveragePositive, unit, lod).xyz;
+    vec3 negative = textureLod(u_coverageNegative, unit, lod).xyz;
+    bvec3 ascending = greaterThan(cone.direction, vec3(0.0));
+    Crossing crossing;
+    crossing.stored = mix(positive, negative, ascending);
+#if START_NORMAL
+    withoutOwnPlane(cone, height, diameter, positive, negative);
+#endif
+    crossing.facing = mix(positive, negative, ascending);
+    // Net normal for surfaces of one side, so that a plane never stops a cone that leaves it, and what looks both ways.
+    crossing.density = max(0.0, dot(negative - positive, cone.direction)) +
+                       dot(abs(cone.direction), min(positive, negative));
+    return crossing;
+}
+
+/// Optical depth of a wall whose filtered profile reaches behind the start of the cone: without it, a start within a voxel
+/// of a wall beside it would cross only a part of that wall.
+float depthBehind(Cone cone, vec3 o, float offset) {
+    float half_ = 0.5 * u_headStart, rise = half_ * dot(cone.normal, cone.direction);
+    return u_headStart * crossingAt(cone, o - half_ * cone.direction, offset - rise, 1.0, 0.0).density;
+}
+#endif
+
 /// Up to `reach` voxels from the origin.
 ConeResult traceConeTo(Cone cone, float reach) {
     vec3 d = cone.direction;
@@ -103,7 +137,7 @@ ConeResult traceConeTo(Cone cone, float reach) {
 #if START_NORMAL
     float offset = u_startOffset * (abs(n.x) + abs(n.y) + abs(n.z));
     vec3 o = cone.origin + n * offset;
-    float t = -u_headStart;
+    float t = 0.0;
 #else
     // Eq. 3.4 of the thesis, after Rauwendaal 2013; kept finite at grazing angles.
     float offset = 0.0;
@@ -111,11 +145,14 @@ ConeResult traceConeTo(Cone cone, float reach) {
     float t = u_nudge * sqrt(3.0) / max(dot(n, d), 1.0 / float(u_resolution));
 #endif
     vec2 range = gridRange(o, d);
-    if (range.x > 0.0) t = max(t, range.x);
+    t = max(t, range.x);
     float end = min(range.y, reach);
 
     ConeResult result = ConeResult(vec3(0.0), 1.0, 1.0);
     float tau = 0.0, maxLod = float(u_levels - 1);
+#if SIX_FACE && START_NORMAL && !COMPOSITING_ALPHA
+    tau = depthBehind(cone, o, offset);
+#endif
     // Steps are at least a tenth of a voxel long (the range of cone.step); 65535 iterations are all some drivers run.
     for (int i = 0; i < 4096 && t < end; ++i) {
         float diameter = footprint(cone, offset, t);
@@ -130,14 +167,8 @@ ConeResult traceConeTo(Cone cone, float reach) {
 #endif
 
 #if SIX_FACE
-        vec3 unit = x / float(u_resolution);
-        vec3 positive = textureLod(u_coveragePositive, unit, lod).xyz;
-        vec3 negative = textureLod(u_coverageNegative, unit, lod).xyz;
-        vec3 a = abs(d);
-#if START_NORMAL
-        withoutOwnPlane(cone, offset + (t + 0.5 * ds) * dot(n, d), diameter, positive, negative);
-#endif
-        float density = max(0.0, dot(negative - positive, d)) + dot(a, min(positive, negative));
+        Crossing crossing = crossingAt(cone, x, offset + dot(x - o, n), diameter, lod);
+        float density = crossing.density;
 #else
         vec4 voxel = textureLod(u_radiance, x / float(u_resolution), lod);
         float density = voxel.a;
@@ -156,13 +187,11 @@ ConeResult traceConeTo(Cone cone, float reach) {
 #if SIX_FACE
             // Of the faces met (those that look against the cone) the one that fills most is seen: it hides what lies
             // behind it. All faces of one surface hold the same radiance, so that nothing jumps where another takes over.
-            bvec3 ascending = greaterThan(d, vec3(0.0));
-            vec3 met = mix(positive, negative, ascending);
-            vec3 seen = a * met;
+            vec3 seen = abs(d) * crossing.facing;
             int axis = seen.x >= seen.y && seen.x >= seen.z ? 0 : (seen.y >= seen.z ? 1 : 2);
             if (seen[axis] > 0.0 && stopped > 0.0) {
-                vec3 stored = textureLod(u_radiance, textureCoordinates(x, lod, 2 * axis + int(ascending[axis])), lod).rgb;
-                result.radiance += stored * (stopped / met[axis]);
+                vec3 stored = textureLod(u_radiance, textureCoordinates(x, lod, 2 * axis + (d[axis] > 0.0 ? 1 : 0)), lod).rgb;
+                result.radiance += stored * (stopped / crossing.stored[axis]);
             }
 #else
             result.radiance += stopped * voxel.rgb / voxel.a;

@@ -11,6 +11,7 @@ gl::Defines coneDefines(const Settings& settings, const Sky& sky) {
         {"SIX_FACE", is(settings.voxel.storage == VoxelStorage::six_face)},
         {"COMPOSITING_LINEAR", is(cone.compositing == Compositing::linear)},
         {"COMPOSITING_EXPONENTIAL", is(cone.compositing == Compositing::exponential)},
+        {"COMPOSITING_ALPHA", is(cone.compositing == Compositing::alpha)},
         {"START_NORMAL", is(cone.start == StartOffset::normal)},
         {"FOOTPRINT_CAP", is(cone.footprintCap > 0)},
         {"AO_DISTANCE", is(settings.ao.distance > 0)},

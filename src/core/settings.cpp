@@ -33,7 +33,7 @@ constexpr Preset kPresets[] = {
     {"fast", R"({"light": {"bounces": 2, "bounce_cones": 5}, "cone": {"diffuse": 6, "step": 1.5}})"},
     {"balanced", "{}"},
     {"accurate", R"({"light": {"bounces": 6, "bounce_cones": 16},
-                     "cone": {"diffuse": 32, "footprint_cap": 6}, "specular": {"step": 0.5}})"},
+                     "cone": {"diffuse": 32, "footprint_cap": 8, "offset": 0.5}, "specular": {"step": 0.5}})"},
 };
 
 template <class E>
@@ -169,7 +169,7 @@ std::vector<Field> fields(Settings& s) {
                "start offset along the normal, or the nudge along the cone of Rauwendaal"),
         number("cone.offset", s.cone.offset, 0, 8, "voxels", "start offset along the normal, times |n|_1"),
         number("cone.head_start", s.cone.headStart, 0, 4, "voxels",
-               "cones begin this far behind their start, so that a wall next to it is crossed whole"),
+               "a wall that grows ahead is also counted this far behind a cone's start, so that it is crossed whole"),
         number("cone.nudge", s.cone.nudge, 0, 8, "voxel diagonals", "nudge factor"),
         flag("cone.rotate", s.cone.rotate, "cone sets are turned about the normal from pixel to pixel and filtered"),
         number("cone.max_distance", s.cone.maxDistance, 0, 1e9, "m", "cones end there; 0 = at the edge of the grid"),

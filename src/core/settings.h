@@ -48,10 +48,10 @@ struct Settings {
         int diffuse = 16;
         double step = 1;
         Compositing compositing = Compositing::linear;
-        double gain = 1.25;
-        double footprintCap = 4;
+        double gain = 1.5;
+        double footprintCap = 6;
         StartOffset start = StartOffset::normal;
-        double offset = 0.5;
+        double offset = 0.75;
         double headStart = 1;
         double nudge = 1;
         bool rotate = true;

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and lights the Cornell box by voxel cone tracing and by path tracing; pictures and figures
-# go to out/. With arguments it passes them to the program instead: ./run.sh capture my.gltf --out out
+# Installs what is missing, builds, lights the Cornell box by voxel cone tracing and by path tracing into out/, and prints
+# the error. With arguments it passes them to the program instead: ./run.sh capture my.gltf --out out
 set -euo pipefail
 called_from=$PWD
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"

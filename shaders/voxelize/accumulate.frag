@@ -103,14 +103,16 @@ void main() {
     }
     if (column.count == 0) return;
 
-    // Barycentric coordinates from the projection along the dominant axis.
     vec2 e1 = f_p1.xy - f_p0.xy, e2 = f_p2.xy - f_p0.xy;
-    float determinant = e1.x * e2.y - e1.y * e2.x;
-    vec3 frontNormal = f_mirror * unpermute(normalize(cross(f_p1 - f_p0, f_p2 - f_p0)), f_axis);
+    vec3 twiceArea = cross(f_p1 - f_p0, f_p2 - f_p0);  // z is its largest component
+    float determinant = twiceArea.z;
+    // Scaled before it is squared: the squares of tiny triangles' areas are below the range of floats.
+    vec3 planeNormal = twiceArea / abs(determinant);
+    vec3 frontNormal = f_mirror * unpermute(normalize(planeNormal), f_axis);
     // Texture space that a voxel covers on the triangle.
     vec4 uvE1 = f_uv1 - f_uv0, uvE2 = f_uv2 - f_uv0;
     vec2 uvArea = abs(uvE1.xz * uvE2.yw - uvE1.yw * uvE2.xz);
-    vec2 uvPerVoxel = sqrt(uvArea / length(cross(f_p1 - f_p0, f_p2 - f_p0)));
+    vec2 uvPerVoxel = sqrt(uvArea / abs(determinant) / length(planeNormal));
 
     ivec2 depths = depthRange(column, u_resolution);
     for (int z = depths.x; z <= depths.y; ++z) {
@@ -128,8 +130,10 @@ void main() {
         uint record = imageLoad(u_index, voxel).r - 1u - u_firstRecord;
         if (record >= u_recordCount) continue;
 
+        // Barycentric coordinates from the projection; those of slivers are uncertain, but never leave the triangle.
         vec2 q = middle.xy - f_p0.xy;
-        float b1 = (q.x * e2.y - q.y * e2.x) / determinant, b2 = (q.y * e1.x - q.x * e1.y) / determinant;
+        float b1 = clamp((q.x * e2.y - q.y * e2.x) / determinant, 0.0, 1.0);
+        float b2 = clamp((q.y * e1.x - q.x * e1.y) / determinant, 0.0, 1.0 - b1);
         float b0 = 1.0 - b1 - b2;
         vec4 uv = b0 * f_uv0 + b1 * f_uv1 + b2 * f_uv2;
         vec4 color = b0 * f_color0 + b1 * f_color1 + b2 * f_color2;
@@ -138,10 +142,14 @@ void main() {
         normal = length2 > 0.0 ? normal * inversesqrt(length2) : frontNormal;
         if (dot(normal, frontNormal) <= 0.0) normal = frontNormal;
 
-        // The filtered alpha of a masked or blended material is the share of the voxel that it covers.
+        // The filtered alpha of a textured mask or a blended material is the share of the voxel that it covers.
         MaterialSample material = sampleMaterialFootprint(uv.xy, uv.zw, color, uvPerVoxel.x, uvPerVoxel.y);
         float opacity = material.alpha;
-        Surfel surfel = Surfel(voxelAlbedo(surfaceOf(material)), normal, unpermute(middle - vec3(cell, z), f_axis),
+        if (materialAlphaMode() == ALPHA_MASK && !materialHas(BASE_COLOR_UNIT))
+            opacity = opacity < materialAlphaCutoff() ? 0.0 : 1.0;
+        // The fits of voxelAlbedo leave a trace of reflection even where there is none.
+        vec3 albedo = materialUnlit() ? vec3(0.0) : voxelAlbedo(surfaceOf(material));
+        Surfel surfel = Surfel(albedo, normal, unpermute(middle - vec3(cell, z), f_axis),
                                material.emission);
 
         atomicAdd(b_fragments, 1u);

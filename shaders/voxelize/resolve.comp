@@ -12,6 +12,7 @@ uniform uint u_firstRecord, u_recordCount;
 #if EMISSION
 uniform float u_emissionUnit;
 #endif
+layout(std430, binding = COUNTER_STORAGE) coherent buffer Counters { VOXEL_COUNTERS };
 layout(std430, binding = RECORD_STORAGE) readonly buffer Records { uint b_records[]; };
 layout(std430, binding = VOXEL_STORAGE) readonly buffer Voxels { uint b_voxels[]; };
 layout(std430, binding = FACE_STORAGE) writeonly buffer Faces { FaceRecord b_faces[]; };
@@ -63,6 +64,7 @@ void main() {
             float length2 = dot(normal, normal);
             face.normal = packOctahedral(length2 > 1e-4 ? normal * inversesqrt(length2) : axis);
             face.position = packPosition(position);
+            if (any(greaterThan(emission, vec3(kMaxRgb9e5)))) atomicAdd(b_clamped, 1u);
             face.emission = packRgb9e5(emission);
         }
         b_faces[record * 6u + uint(f)] = face;

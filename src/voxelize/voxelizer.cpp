@@ -14,7 +14,9 @@ namespace {
 
 constexpr int kIndexImage = 0, kPositiveImage = 1, kNegativeImage = 2;
 
-std::string onOff(bool value) { return value ? "1" : "0"; }
+std::string onOff(bool value) {
+    return value ? "1" : "0";
+}
 
 /// Largest radiance that any material emits, W/(m² sr).
 float largestEmission(const Scene& scene) {
@@ -26,7 +28,9 @@ float largestEmission(const Scene& scene) {
     return largest;
 }
 
-int mipGroups(int size) { return gl::groupsFor(size, 4); }
+int mipGroups(int size) {
+    return gl::groupsFor(size, 4);
+}
 
 }  // namespace
 
@@ -35,8 +39,8 @@ Voxelizer::Voxelizer(const gl::Context& context, const gl::ShaderLibrary& shader
     : settings_(settings.voxel), maxRecordBytes_(context.info().maxSsboBytes), emission_(scene.anyEmission()) {
     const int r = settings_.resolution;
     if (r > context.info().max3DTextureSize)
-        throw DeviceError(fmt::format("voxel.resolution {} is beyond GL_MAX_3D_TEXTURE_SIZE {}", r,
-                                      context.info().max3DTextureSize));
+        throw DeviceError(
+            fmt::format("voxel.resolution {} is beyond GL_MAX_3D_TEXTURE_SIZE {}", r, context.info().max3DTextureSize));
     const bool cas = settings_.averaging == VoxelAveraging::compare_and_swap;
     const gl::Defines defines{
         {"COMPARE_AND_SWAP", onOff(cas)},
@@ -51,14 +55,16 @@ Voxelizer::Voxelizer(const gl::Context& context, const gl::ShaderLibrary& shader
         return more;
     };
     mark_ = shaders.graphics({"voxelize/voxelize.vert", "voxelize/voxelize.geom", "voxelize/mark.frag"}, defines);
-    accumulate_ = shaders.graphics({"voxelize/voxelize.vert", "voxelize/voxelize.geom", "voxelize/accumulate.frag"}, defines);
+    accumulate_ =
+        shaders.graphics({"voxelize/voxelize.vert", "voxelize/voxelize.geom", "voxelize/accumulate.frag"}, defines);
     allocate_ = shaders.compute("voxelize/allocate.comp", with("WRITE_VOXELS", "0"));
     list_ = shaders.compute("voxelize/allocate.comp", with("WRITE_VOXELS", "1"));
     resolve_ = shaders.compute("voxelize/resolve.comp", defines);
     if (settings_.storage == VoxelStorage::six_face) mip_ = shaders.compute("voxelize/mip_coverage.comp", defines);
 
-    // 24 bits for the brightest emitter: one of a millionth of it is still stored to 6 %. Compare-and-swap keeps 8 bits.
-    const float largest = largestEmission(scene.scene());
+    // 24 bits for the brightest emitter: one of a millionth of it is still stored to 6 %. Compare-and-swap keeps 8
+    // bits. The clamp is for unlit materials that are black.
+    const float largest = std::clamp(largestEmission(scene.scene()), 1e-30f, 1e30f);
     if (emission_) emissionUnit_ = cas ? 1 / largest : std::exp2(24 - std::ceil(std::log2(largest)));
 
     index_ = gl::Texture::create3D(GL_R32UI, r, r, r);
@@ -66,7 +72,8 @@ Voxelizer::Voxelizer(const gl::Context& context, const gl::ShaderLibrary& shader
 }
 
 Voxels Voxelizer::voxelize(const gl::GpuScene& scene, const VoxelGrid& grid, gl::PassTimers& timers) {
-    VOXCONE_CHECK(grid.resolution == settings_.resolution, "grid {} settings {}", grid.resolution, settings_.resolution);
+    VOXCONE_CHECK(grid.resolution == settings_.resolution, "grid {} settings {}", grid.resolution,
+                  settings_.resolution);
     VOXCONE_CHECK(scene.origin() == grid.origin, "scene and grid differ in origin: {} and {}", scene.origin().x,
                   grid.origin.x);
     const int r = grid.resolution;
@@ -142,8 +149,8 @@ Voxels Voxelizer::voxelize(const gl::GpuScene& scene, const VoxelGrid& grid, gl:
 void Voxelizer::accumulate(const gl::GpuScene& scene, Voxels& voxels) {
     const bool cas = settings_.averaging == VoxelAveraging::compare_and_swap;
     const std::size_t recordBytes = 6 * sizeof(std::uint32_t) * static_cast<std::size_t>(faceWords(cas, emission_));
-    const std::uint32_t most = static_cast<std::uint32_t>(static_cast<std::size_t>(maxRecordBytes_) / recordBytes);
-    const std::uint32_t chunk = std::min(std::max(voxels.count, 1u), most);
+    const std::size_t most = std::max<std::size_t>(static_cast<std::size_t>(maxRecordBytes_) / recordBytes, 1);
+    const std::uint32_t chunk = static_cast<std::uint32_t>(std::min<std::size_t>(std::max(voxels.count, 1u), most));
     gl::Buffer records(chunk * recordBytes);
     voxels.faces.bindBase(GL_SHADER_STORAGE_BUFFER, kFaceStorage);
     voxels.coverage.bindBase(GL_SHADER_STORAGE_BUFFER, kCoverageStorage);

@@ -10,7 +10,6 @@
 
 // Twins in src/light/shadow_maps.h.
 #define LIGHT_STORAGE 2
-#define SHADOW_COMPARE_UNIT 14
 #define SHADOW_DEPTH_UNIT 15
 
 #define LIGHT_DIRECTIONAL 0u
@@ -39,8 +38,7 @@ struct Light {
 layout(std430, binding = LIGHT_STORAGE) readonly buffer Lights { Light b_lights[]; };
 
 uniform int u_lightCount;
-layout(binding = SHADOW_COMPARE_UNIT) uniform sampler2DShadow u_shadowMap;  // linear, less or equal
-layout(binding = SHADOW_DEPTH_UNIT) uniform sampler2D u_shadowDepth;        // the same texture, raw and nearest
+layout(binding = SHADOW_DEPTH_UNIT) uniform sampler2D u_shadowDepth;
 
 const float kPi = 3.14159265358979;
 
@@ -136,15 +134,49 @@ float windowDepth(ShadowView view, float z) {
     return clamp(depth, 0.0, 1.0);
 }
 
+// A receiver as a view sees it.
+struct ShadowReceiver {
+    vec3 n;        // normal, in the view's frame
+    float lifted;  // n·x = lifted is its tangent plane, lifted towards the light
+    float most;    // its own depth along the view on that plane
+};
+
+// The four texels around plane coordinate t, of which a bilinear look-up would make its answer.
+struct ShadowTexels {
+    vec4 depths;   // window depths
+    vec4 weights;  // bilinear, sum 1
+    vec4 blocked;  // 1 where the texel is before the receiver's plane at its own centre
+};
+
+ShadowTexels lookUp(ShadowView view, ShadowReceiver receiver, vec2 t) {
+    vec2 size = vec2(textureSize(u_shadowDepth, 0));
+    vec2 place = (view.tileCenter + t * view.scale * view.tileHalfSize) * size - 0.5;
+    vec2 corner = floor(place), f = place - corner;
+    ShadowTexels texels;
+    // Where the four meet, so that rounding cannot choose others.
+    texels.depths = textureGather(u_shadowDepth, (corner + 1.0) / size);
+    texels.weights = vec4((1.0 - f.x) * f.y, f.x * f.y, f.x * (1.0 - f.y), (1.0 - f.x) * (1.0 - f.y));
+    vec2 low = t - f * view.texel, high = low + view.texel;
+    vec4 limits = vec4(planeDepth(view, receiver.n, receiver.lifted, vec2(low.x, high.y), receiver.most),
+                       planeDepth(view, receiver.n, receiver.lifted, high, receiver.most),
+                       planeDepth(view, receiver.n, receiver.lifted, vec2(high.x, low.y), receiver.most),
+                       planeDepth(view, receiver.n, receiver.lifted, low, receiver.most));
+    for (int i = 0; i < 4; ++i) texels.blocked[i] = float(texels.depths[i] < windowDepth(view, limits[i]));
+    return texels;
+}
+
 // Share of a light's sample point that `pos` sees, in [0,1]. normal: unit, geometric, on the light's side.
 // `slack`: uncertainty of pos along the normal in metres (0 for exact positions).
 //
-// Bias: each tap of the filter is compared with the receiver's tangent plane, met exactly by the tap's ray, after the
-// plane was lifted along n by √2 texels (their width at the receiver). A bilinear look-up compares texels up to one texel
-// from the tap in both directions; over that distance the depth of the plane changes by at most √2·texel·tanθ, and a lift
-// of h changes depth by h/cosθ. So h = √2·texel is enough at every angle and, being measured along the normal, never grows
-// at grazing angles. Only the depth is lifted, not the place of the look-up: shadow edges do not move. Everything is
-// relative to texels: no scale of the scene enters.
+// Bias: each texel of the filter is compared with the receiver's tangent plane at the texel's own centre, where a plane
+// that is its own occluder has exactly the depth that was stored. So no slope of the plane has to be allowed for, and the
+// plane is lifted along n by only kShadowLift texels (their width at the receiver), for the rounding of depths and for
+// curved surfaces, whose other triangles stand above the plane. Being measured along the normal the lift never grows at
+// grazing angles; only the depth is lifted, not the place of the look-up, so shadow edges do not move. What stands within
+// the lift above a surface that the light grazes at the angle θ throws no shadow over lift/cosθ: that is why it is small.
+// Everything is relative to texels: no scale of the scene enters.
+const float kShadowLift = 0.5;
+
 float sampleVisibility(Light light, ShadowView view, vec3 pos, vec3 normal, float slack) {
     vec3 n = vec3(dot(normal, view.right), dot(normal, view.up), dot(normal, view.forward));
     vec3 offset = pos - view.origin;
@@ -155,12 +187,13 @@ float sampleVisibility(Light light, ShadowView view, vec3 pos, vec3 normal, floa
     float footprint = perspective ? view.texel * p.z : view.texel;
 
     float c = dot(n, p);
-    float lift = 1.41421356 * footprint + slack;
+    float lift = kShadowLift * footprint + slack;
     // The eye stays above the lifted plane.
     if (perspective) lift = min(lift, -0.5 * c);
-    float lifted = c + lift;
-    // The receiver's own depth on the lifted plane.
-    float most = perspective ? p.z * (lifted / min(c, -1e-30)) : p.z + lift / min(n.z, -1e-6);
+    ShadowReceiver receiver;
+    receiver.n = n;
+    receiver.lifted = c + lift;
+    receiver.most = perspective ? p.z * (receiver.lifted / min(c, -1e-30)) : p.z + lift / min(n.z, -1e-6);
 
     // The filter hides the stairs of one map; maps of several sample points also hide each other's.
     float kernel = view.filterRadius * inversesqrt(float(light.samples));
@@ -181,12 +214,10 @@ float sampleVisibility(Light light, ShadowView view, vec3 pos, vec3 normal, floa
         for (int i = 0; i < 4; ++i) {
             vec2 t = t0 + (vec2(i & 1, i >> 1) - 0.5) * (reach * view.texel);
             if (dot(axis, vec3(t, 1.0)) < above) continue;
-            float limit = windowDepth(view, planeDepth(view, n, lifted, t, most));
-            vec4 depths = textureGather(u_shadowDepth, view.tileCenter + t * view.scale * view.tileHalfSize);
-            vec4 blocked = vec4(lessThan(depths, vec4(limit)));
-            vec4 z = view.depth.y / (view.depth.x - min(depths, vec4(0.999999)));
-            sum += dot(blocked, z);
-            count += dot(blocked, vec4(1.0));
+            ShadowTexels texels = lookUp(view, receiver, t);
+            vec4 z = view.depth.y / (view.depth.x - min(texels.depths, vec4(0.999999)));
+            sum += dot(texels.blocked, z);
+            count += dot(texels.blocked, vec4(1.0));
         }
         if (count > 0.0) {
             float blocker = max(sum / count, 1e-3 * p.z);
@@ -201,15 +232,14 @@ float sampleVisibility(Light light, ShadowView view, vec3 pos, vec3 normal, floa
         }
     }
 
-    // Taps in the middle of the strata of a square of half-width `kernel`; each is a bilinear comparison of a texel's
-    // width.
+    // Taps in the middle of the strata of a square of half-width `kernel`; each is a bilinear mean of four comparisons.
     float lit = 0.0, valid = 0.0;
     for (int i = 0; i < taps * taps; ++i) {
         vec2 place = (vec2(i % taps, i / taps) + 0.5) / float(taps) * 2.0 - 1.0;
         vec2 t = t0 + place * (kernel * view.texel);
         if (dot(axis, vec3(t, 1.0)) < above) continue;
-        float limit = windowDepth(view, planeDepth(view, n, lifted, t, most));
-        lit += textureLod(u_shadowMap, vec3(view.tileCenter + t * view.scale * view.tileHalfSize, limit), 0.0);
+        ShadowTexels texels = lookUp(view, receiver, t);
+        lit += dot(texels.weights, 1.0 - texels.blocked);
         valid += 1.0;
     }
     return valid > 0.0 ? lit / valid : 1.0;

@@ -86,7 +86,6 @@ struct Renderer::Impl {
         if (voxelizer) {
             voxels = voxelizer->voxelize(gpuScene, grid, timers);
             field->update(voxels, sky, [this](gl::Program& program) { shadowMaps.bind(program); }, timers);
-            if (shadowMaps.lightCount() > 0) shadowMaps.unbind();
         }
         changed = false;
     }

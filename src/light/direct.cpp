@@ -14,7 +14,6 @@ void DirectPass::run(const ShadowMaps& maps, const std::function<void(gl::Progra
     texture_.bindImage(0, 0, GL_WRITE_ONLY);
     gl::dispatch(program_, gl::groupsFor(texture_.width(), 8), gl::groupsFor(texture_.height(), 8), 1);
     gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-    maps.unbind();
 }
 
 }  // namespace voxcone

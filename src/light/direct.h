@@ -18,7 +18,7 @@ class DirectPass {
     DirectPass(const gl::ShaderLibrary& shaders, const gl::Defines& gbufferDefines, int width, int height);
 
     /// Pass "direct". `bindGBuffer` binds what frame/gbuffer.glsl reads to the given program, at units below
-    /// kShadowCompareUnit. `maps` must have lights (lightCount() > 0): without any there is no direct light and no need
+    /// kShadowDepthUnit. `maps` must have lights (lightCount() > 0): without any there is no direct light and no need
     /// for this pass. On return texture() may be sampled or loaded.
     void run(const ShadowMaps& maps, const std::function<void(gl::Program&)>& bindGBuffer, gl::PassTimers& timers);
 

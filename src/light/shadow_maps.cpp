@@ -65,9 +65,7 @@ void ShadowMaps::layOut(const gl::GpuScene& scene) {
     if (atlas_ && atlas_.width() == width && atlas_.height() == height) return;
     atlas_ = {};
     atlas_ = gl::Texture::create2D(GL_DEPTH_COMPONENT32F, width, height);
-    atlas_.filter(GL_LINEAR, GL_LINEAR);
-    atlas_.compare(GL_LEQUAL);
-    rawSampler_ = gl::Sampler(GL_NEAREST, GL_NEAREST, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
+    atlas_.filter(GL_NEAREST, GL_NEAREST);
 }
 
 void ShadowMaps::draw(const gl::GpuScene& scene) {
@@ -113,14 +111,8 @@ void ShadowMaps::bind(gl::Program& program) const {
     VOXCONE_CHECK(!layout_.lights.empty(), "a scene without lights has nothing to bind");
     lightBuffer_.bindBase(GL_SHADER_STORAGE_BUFFER, kLightStorage);
     viewBuffer_.bindBase(GL_SHADER_STORAGE_BUFFER, kShadowViewStorage);
-    atlas_.bindTo(kShadowCompareUnit);
     atlas_.bindTo(kShadowDepthUnit);
-    rawSampler_.bindTo(kShadowDepthUnit);
     program.set("u_lightCount", lightCount());
-}
-
-void ShadowMaps::unbind() const {
-    gl::Sampler::unbind(kShadowDepthUnit);
 }
 
 }  // namespace voxcone

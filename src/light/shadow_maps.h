@@ -20,7 +20,6 @@ namespace voxcone {
 /// (voxelize/buffers.h) in one shader, except for records, which light does not read beside lights.
 constexpr int kLightStorage = 2;
 constexpr int kShadowViewStorage = 4;
-constexpr int kShadowCompareUnit = 14;
 constexpr int kShadowDepthUnit = 15;
 
 /// One depth atlas for all lights, drawn when something moved. Both sides of every surface cast shadows; masked
@@ -40,10 +39,8 @@ class ShadowMaps {
     /// Lights of the last update. Without any, programs need not include lights.glsl, and bind() must not be called.
     int lightCount() const { return static_cast<int>(layout_.lights.size()); }
 
-    /// For programs that include shaders/light/lights.glsl: binds records and atlas, sets u_lightCount. unbind() after
-    /// the draw or dispatch frees the raw look-up's unit of its sampler.
+    /// For programs that include shaders/light/lights.glsl: binds records and atlas, sets u_lightCount.
     void bind(gl::Program& program) const;
-    void unbind() const;
 
     const LightLayout& layout() const { return layout_; }
     /// Depth atlas, 32-bit float; empty without lights or geometry.
@@ -66,7 +63,6 @@ class ShadowMaps {
     std::optional<State> state_;  ///< of the maps; none yet, or forgotten
     LightLayout layout_;
     gl::Texture atlas_;
-    gl::Sampler rawSampler_;
     gl::Buffer lightBuffer_, viewBuffer_;
     gl::Program opaqueProgram_, alphaProgram_;
 };

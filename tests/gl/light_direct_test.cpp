@@ -371,6 +371,25 @@ TEST_F(LightDirect, EdgeOfADiscIsK1) {
     }
 }
 
+TEST_F(LightDirect, ThinWallShadesUpToItsFoot) {
+    // Grazing light from behind a sheet. At the place whose ray passes the sheet 1.2 texels above the floor no more
+    // than the filter's lower half looks past its foot; from 4 texels on nothing does.
+    const Light light = directional(glm::normalize(dvec3(1, -0.1, 0)));
+    LightLab lab(test::SceneBuilder()
+                     .add(test::quad(20, 20), test::lambert(0.5f))
+                     .add(test::box(dvec3(1e-3, 1, 10)), test::lambert(0.5f), test::translation({0, 0.5, 0}))
+                     .light(light)
+                     .build());
+    const double texel = lab.maps().layout().views[0].texel;
+    double leaked = 0;
+    for (int i = 0; i < 16; ++i) {
+        const double z = 0.1 * i - 0.8;
+        leaked += lab.visibility({{{(1.2 + 0.02 * i) * texel / 0.1, 0, z}, kUp}})[0] / 16;
+        EXPECT_EQ(lab.visibility({{{4 * texel / 0.1, 0, z}, kUp}})[0], 0);
+    }
+    EXPECT_LT(leaked, 0.5);
+}
+
 TEST_F(LightDirect, NoAcne) {
     // Planes turned at random, and grazing light: nothing is in the way, so everything is exactly visible.
     std::vector<Light> lights = {directional({std::sin(80 * kPi / 180), -std::cos(80 * kPi / 180), 0}),

@@ -90,7 +90,6 @@ class LightLab {
         program.set("u_count", static_cast<int>(receivers.size()));
         gl::dispatch(program, gl::groupsFor(static_cast<int>(receivers.size()), 64), 1, 1);
         gl::memoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-        maps_.unbind();
         std::vector<glm::vec3> answers;
         for (const glm::vec4& v : out.read<glm::vec4>()) answers.emplace_back(v);
         return answers;

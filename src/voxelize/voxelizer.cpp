@@ -36,7 +36,10 @@ int mipGroups(int size) {
 
 Voxelizer::Voxelizer(const gl::Context& context, const gl::ShaderLibrary& shaders, const gl::GpuScene& scene,
                      const Settings& settings)
-    : settings_(settings.voxel), maxRecordBytes_(context.info().maxSsboBytes), emission_(scene.anyEmission()) {
+    : settings_(settings.voxel),
+      maxStorageBytes_(context.info().maxSsboBytes),
+      maxRecordBytes_(maxStorageBytes_),
+      emission_(scene.anyEmission()) {
     const int r = settings_.resolution;
     if (r > context.info().max3DTextureSize)
         throw DeviceError(
@@ -110,8 +113,14 @@ Voxels Voxelizer::voxelize(const gl::GpuScene& scene, const VoxelGrid& grid, gl:
         gl::memoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
         voxels.count = counters.read<VoxelCounters>()[0].occupied;
         const std::size_t count = std::max(voxels.count, 1u);  // buffers of no size cannot be bound
+        const std::size_t faceBytes = count * 6 * sizeof(FaceRecord);
+        if (faceBytes > static_cast<std::size_t>(maxStorageBytes_))
+            throw DeviceError(
+                fmt::format("{} voxels need a storage block of {} bytes; the device allows "
+                            "GL_MAX_SHADER_STORAGE_BLOCK_SIZE = {}: lower voxel.resolution",
+                            count, faceBytes, maxStorageBytes_));
         voxels.list = gl::Buffer(count * sizeof(std::uint32_t));
-        voxels.faces = gl::Buffer(count * 6 * sizeof(FaceRecord));
+        voxels.faces = gl::Buffer(faceBytes);
         voxels.coverage = gl::Buffer(count * 6 * sizeof(float));
         voxels.list.bindBase(GL_SHADER_STORAGE_BUFFER, kVoxelStorage);
         run(list_);

@@ -52,7 +52,7 @@ class Voxelizer {
     void accumulate(const gl::GpuScene& scene, Voxels& voxels);
 
     Settings::Voxel settings_;
-    std::int64_t maxRecordBytes_;
+    std::int64_t maxStorageBytes_, maxRecordBytes_;
     bool emission_;
     float emissionUnit_ = 0;
     gl::Program mark_, allocate_, list_, accumulate_, resolve_, mip_;

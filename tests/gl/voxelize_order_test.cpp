@@ -134,6 +134,18 @@ TEST_F(VoxelOrder, BeyondTheBoundItSaturatesAndCounts) {
     EXPECT_LT(glm::distance(face.position(), glm::vec3(0.5f, 0.25f, 0.5f)), 2e-3f);
 }
 
+TEST_F(VoxelOrder, IsotropicStorageLeavesOutTheCoverageVolumes) {
+    const Scene scene = crowded();
+    Settings settings = voxelSettings(32);
+    const VoxelMap sixFace = voxelizeOnce(scene, unitGrid(32), settings);
+    settings.voxel.storage = VoxelStorage::isotropic;
+    VoxelizeLab lab(settings, scene);
+    const Voxels voxels = lab.run(scene, unitGrid(32));
+    EXPECT_FALSE(voxels.coveragePositive);
+    EXPECT_FALSE(voxels.coverageNegative);
+    EXPECT_TRUE(readVoxels(voxels) == sixFace);
+}
+
 TEST_F(VoxelOrder, CompareAndSwapFindsTheSameVoxels) {
     const Scene scene = crowded();
     const VoxelMap sums = voxelizeOnce(scene, unitGrid(32), voxelSettings(32));

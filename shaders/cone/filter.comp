@@ -19,6 +19,7 @@ void main() {
         // sixteen orientations counts once.
         vec4 sum = vec4(0.0);
         float weights = 0.0;
+        vec3 normal = gbufferNormal(pixel);  // as stored, like those of the neighbours
         ivec2 size = gbufferSize();
         for (int i = 0; i < 25; ++i) {
             ivec2 step_ = ivec2(i % 5 - 2, i / 5 - 2);
@@ -31,7 +32,7 @@ void main() {
             // between them; normals within 25 degrees.
             float bound = 0.1 * length(offset) + 0.05 * u_voxelSize;
             float plane = 1.0 - abs(dot(offset, s.geometricNormal)) / bound;
-            float facing = (dot(gbufferNormal(tap), s.normal) - 0.9) * 10.0;
+            float facing = (dot(gbufferNormal(tap), normal) - 0.9) * 10.0;
             float near = 1.0 - length(offset) / (4.0 * u_voxelSize);
             float weight = clamp(plane, 0.0, 1.0) * clamp(facing, 0.0, 1.0) * clamp(near, 0.0, 1.0);
             weight *= (abs(step_.x) == 2 ? 0.5 : 1.0) * (abs(step_.y) == 2 ? 0.5 : 1.0);

@@ -16,14 +16,14 @@ glm::dvec3 polar(double cosine, double azimuth) {
     return {sine * std::cos(azimuth), sine * std::sin(azimuth), cosine};
 }
 
-ConeSet ring(int count) {
-    // With weight w0 for the normal and the rest at angle θ: (1−w0)(1−cosθ) = 1/3 and (1−w0)(1−cos²θ) = 1/2.
+/// The normal with weight `w0` and `count` cones around it, at the angle that makes Σw cosθ = 2/3.
+ConeSet ring(int count, double w0) {
     ConeSet set;
     set.directions.push_back({0, 0, 1});
-    set.weights.push_back(1.0 / 3);
+    set.weights.push_back(w0);
     for (int i = 0; i < count; ++i) {
-        set.directions.push_back(polar(0.5, 2 * pi * i / count));
-        set.weights.push_back(2.0 / (3 * count));
+        set.directions.push_back(polar((2.0 / 3 - w0) / (1 - w0), 2 * pi * i / count));
+        set.weights.push_back((1 - w0) / count);
     }
     set.tanHalfAngle = std::tan(pi / 6);
     return set;
@@ -55,7 +55,9 @@ ConeSet coneSet(int count) {
             set.tanHalfAngle = 1;
             return set;
         case 5:
-        case 6: return ring(count - 1);
+            return ring(4, 1.0 / 3);
+        case 6:
+            return ring(5, 1.0 / 4);
         case 9:
             set.directions.push_back({0, 0, 1});
             for (int i = 0; i < 4; ++i) set.directions.push_back(polar(std::sqrt(0.5), pi / 2 * i));
@@ -74,7 +76,8 @@ ConeSet coneSet(int count) {
             set.tanHalfAngle = 1 / std::sqrt(static_cast<double>(count));
             set.spiral = true;
             return set;
-        default: VOXCONE_CHECK(false, "no set of {} cones", count);
+        default:
+            VOXCONE_CHECK(false, "no set of {} cones", count);
     }
     return set;
 }

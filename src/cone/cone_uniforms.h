@@ -31,7 +31,8 @@ gl::Defines coneDefines(const Settings& settings, const Sky& sky);
 /// Adds those of cone/cone_set.glsl.
 gl::Defines coneSetDefines(const Settings& settings, const Sky& sky, int cones);
 
-/// Binds volumes and sky from texture unit `unit` (four units) and sets the uniforms of cone/trace.glsl and cone/sky.glsl.
+/// Binds volumes and sky from texture unit `unit` (four units) and sets the uniforms of cone/trace.glsl and
+/// cone/sky.glsl.
 void setConeUniforms(gl::Program& program, const Settings& settings, const Sky& sky, const RadianceVolume& volume,
                      double step, int unit);
 

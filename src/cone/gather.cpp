@@ -22,7 +22,9 @@ void dispatchPixels(gl::Program& program, const gl::Texture& output, const char*
     gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
 }
 
-float inverseVoxelSize(const RadianceVolume& volume) { return static_cast<float>(1 / volume.voxels->grid.voxelSize); }
+float inverseVoxelSize(const RadianceVolume& volume) {
+    return static_cast<float>(1 / volume.voxels->grid.voxelSize);
+}
 
 }  // namespace
 

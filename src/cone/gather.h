@@ -55,8 +55,9 @@ class SoftShadowPass {
     SoftShadowPass(const gl::ShaderLibrary& shaders, const Settings& settings, const gl::Defines& gbufferDefines,
                    int width, int height);
 
-    /// Pass "cones: soft shadow". The light is at `position` (relative to the scene's origin, metres) with `radius`, or,
-    /// when `directional`, lies towards `position` as a unit direction and `radius` is the sine of its angular radius.
+    /// Pass "cones: soft shadow". The light is at `position` (relative to the scene's origin, metres) with `radius`,
+    /// or, when `directional`, lies towards `position` as a unit direction and `radius` is the sine of its angular
+    /// radius.
     void run(const RadianceVolume& volume, const glm::vec3& position, float radius, bool directional,
              const BindGBuffer& bindGBuffer, gl::PassTimers& timers);
 

@@ -9,7 +9,8 @@ constexpr int kProbeStorage = 4, kResultStorage = 5;  // shaders/cone/probe.comp
 }
 
 ConeProber::ConeProber(const gl::ShaderLibrary& shaders, const Settings& settings, const Sky& sky)
-    : settings_(settings), program_(shaders.compute("cone/probe.comp", coneSetDefines(settings, sky, settings.cone.diffuse))) {}
+    : settings_(settings),
+      program_(shaders.compute("cone/probe.comp", coneSetDefines(settings, sky, settings.cone.diffuse))) {}
 
 std::vector<ConeProbeResult> ConeProber::gather(const std::vector<ConeProbe>& probes, const RadianceVolume& volume,
                                                 const Sky& sky) {

@@ -22,7 +22,8 @@ class ConeProber {
     /// The set is cone.diffuse; with cone.rotate its sixteen orientations are averaged, as the picture's filter does.
     ConeProber(const gl::ShaderLibrary& shaders, const Settings& settings, const Sky& sky);
 
-    std::vector<ConeProbeResult> gather(const std::vector<ConeProbe>& probes, const RadianceVolume& volume, const Sky& sky);
+    std::vector<ConeProbeResult> gather(const std::vector<ConeProbe>& probes, const RadianceVolume& volume,
+                                        const Sky& sky);
 
   private:
     Settings settings_;

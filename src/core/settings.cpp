@@ -18,8 +18,10 @@ using nlohmann::json;
 
 namespace {
 
-// Built-in presets say only what differs from the defaults. `thesis` is the algorithm of papers/001 (§3.4): isotropic
-// voxels written binary with a compare-and-swap average, nine 60° cones stepped by their diameter, the nudge of eq. 3.4.
+// Built-in presets say only what differs from the defaults. `thesis` is voxel cone tracing as the 2017 thesis describes
+// it (Y. ten Brug, Utrecht University, §3.4):
+// isotropic voxels written binary with a compare-and-swap average, nine 60° cones stepped by their diameter, the nudge
+// of its eq. 3.4.
 struct Preset {
     const char* name;
     const char* tree;
@@ -40,8 +42,8 @@ template <class E>
 Field choice(const char* key, E& e, std::vector<std::string> names, const char* meaning) {
     Field field;
     field.key = key;
-    field.value = Field::Choice{[&e] { return static_cast<int>(e); }, [&e](int i) { e = static_cast<E>(i); },
-                                std::move(names)};
+    field.value =
+        Field::Choice{[&e] { return static_cast<int>(e); }, [&e](int i) { e = static_cast<E>(i); }, std::move(names)};
     field.meaning = meaning;
     return field;
 }
@@ -57,11 +59,14 @@ Field oneOf(const char* key, int& i, std::vector<int> allowed, const char* unit,
     const double lowest = *min, highest = *max;
     return {key, &i, lowest, highest, std::move(allowed), unit, meaning};
 }
-Field flag(const char* key, bool& b, const char* meaning) { return {key, &b, 0, 1, {}, "", meaning}; }
+Field flag(const char* key, bool& b, const char* meaning) {
+    return {key, &b, 0, 1, {}, "", meaning};
+}
 
 std::string rangeOf(const Field& field) {
     if (std::holds_alternative<bool*>(field.value)) return "true or false";
-    if (const auto* c = std::get_if<Field::Choice>(&field.value)) return fmt::format("one of {}", fmt::join(c->names, ", "));
+    if (const auto* c = std::get_if<Field::Choice>(&field.value))
+        return fmt::format("one of {}", fmt::join(c->names, ", "));
     if (!field.allowed.empty()) return fmt::format("one of {}", fmt::join(field.allowed, ", "));
     return fmt::format("{} to {}", field.min, field.max);
 }
@@ -97,7 +102,8 @@ bool store(const Field& field, const json& value) {
     }
     const int i = static_cast<int>(d);
     if (static_cast<double>(i) != d) return false;
-    if (!field.allowed.empty() && std::find(field.allowed.begin(), field.allowed.end(), i) == field.allowed.end()) return false;
+    if (!field.allowed.empty() && std::find(field.allowed.begin(), field.allowed.end(), i) == field.allowed.end())
+        return false;
     *std::get<int*>(field.value) = i;
     return true;
 }
@@ -139,10 +145,12 @@ std::vector<Field> fields(Settings& s) {
         integer("output.height", s.output.height, 1, 16384, "pixels", "height of the picture"),
         integer("output.supersample", s.output.supersample, 1, 8, "",
                 "n x n samples a pixel on a regular grid, averaged; the path tracer uses the same grid"),
-        number("output.exposure", s.output.exposure, -32, 32, "EV", "the picture is scaled by 2^exposure before tone mapping"),
+        number("output.exposure", s.output.exposure, -32, 32, "EV",
+               "the picture is scaled by 2^exposure before tone mapping"),
         choice("output.tone_map", s.output.toneMap, {"linear", "reinhard", "aces"}, "tone curve of the beauty PNG"),
         oneOf("voxel.resolution", s.voxel.resolution, {16, 32, 64, 128, 256}, "voxels", "edge of the voxel grid"),
-        choice("voxel.storage", s.voxel.storage, {"isotropic", "six_face"}, "what a voxel keeps: one value, or one a face"),
+        choice("voxel.storage", s.voxel.storage, {"isotropic", "six_face"},
+               "what a voxel keeps: one value, or one a face"),
         choice("voxel.averaging", s.voxel.averaging, {"integer_sum", "compare_and_swap"},
                "how fragments of a voxel are averaged; compare_and_swap depends on their order"),
         choice("voxel.coverage", s.voxel.coverage, {"area", "binary"},
@@ -151,13 +159,14 @@ std::vector<Field> fields(Settings& s) {
         number("voxel.size", s.voxel.size, 0, 1e9, "m", "edge of a voxel; 0 = the smallest that covers the scene"),
         integer("voxel.margin", s.voxel.margin, 0, 8, "voxels", "empty voxels kept around the scene"),
         oneOf("light.shadow_resolution", s.light.shadowResolution, {128, 256, 512, 1024, 2048, 4096, 8192}, "texels",
-              "edge of a shadow map (a cube face is half of it)"),
+              "edge of a directional or spot light's map; a cube face has half of it, one of an area light a quarter"),
         number("light.shadow_filter", s.light.shadowFilter, 0, 8, "texels", "radius of the shadow map filter"),
         integer("light.bounces", s.light.bounces, 0, 64, "",
                 "bounces between voxels before the one the picture's cones gather"),
-        oneOf("light.bounce_cones", s.light.bounceCones, {1, 5, 6, 9, 16, 32}, "", "cones a voxel face gathers a bounce with"),
+        oneOf("light.bounce_cones", s.light.bounceCones, {1, 5, 6, 9, 16, 32}, "",
+              "cones a voxel face gathers a bounce with"),
         flag("light.extrapolate", s.light.extrapolate,
-             "add the bounces that were left out as the geometric series that the last two begin"),
+             "add the bounces that were left out as the geometric series of those before (needs 3 bounces)"),
         oneOf("cone.diffuse", s.cone.diffuse, {1, 5, 6, 9, 16, 32}, "", "diffuse cones a pixel"),
         number("cone.step", s.cone.step, 0.1, 4, "footprints", "distance between samples"),
         choice("cone.compositing", s.cone.compositing, {"linear", "exponential", "alpha"},
@@ -178,8 +187,10 @@ std::vector<Field> fields(Settings& s) {
                "cone angle: matched to the GGX lobe, or 1 to 80 degrees linear in roughness"),
         number("specular.step", s.specular.step, 0.1, 4, "footprints", "distance between samples of the specular cone"),
         number("ao.distance", s.ao.distance, 0, 1e9, "m", "occluders farther away do not count; 0 = all count"),
-        choice("ao.falloff", s.ao.falloff, {"none", "linear", "square_root"}, "weight of an occluder over its distance"),
-        flag("shadow.cones", s.shadow.cones, "shadows of sphere and rectangle lights by cones instead of shadow maps"),
+        choice("ao.falloff", s.ao.falloff, {"none", "linear", "square_root"},
+               "weight of an occluder over its distance"),
+        flag("shadow.cones", s.shadow.cones,
+             "trace a cone to the first light for the channel soft_shadow; direct light keeps its shadow maps"),
         integer("reference.samples", s.reference.samples, 2, 1 << 20, "per pixel", "paths of the reference"),
         number("reference.error", s.reference.error, 0, 1, "",
                "stop early when the reference's own relative error is below this; 0 = never"),
@@ -234,8 +245,8 @@ void applyPreset(Settings& settings, const std::string& nameOrFile) {
         return;
     }
     if (!nameOrFile.ends_with(".json"))
-        throw UsageError(
-            fmt::format("unknown preset \"{}\"; there are {} and JSON files", nameOrFile, fmt::join(presetNames(), ", ")));
+        throw UsageError(fmt::format("unknown preset \"{}\"; there are {} and JSON files", nameOrFile,
+                                     fmt::join(presetNames(), ", ")));
     json tree;
     try {
         tree = json::parse(readTextFile(nameOrFile));
@@ -258,10 +269,14 @@ json toJson(const Settings& settings) {
         std::string pointer = "/" + field.key;
         std::replace(pointer.begin(), pointer.end(), '.', '/');
         json& leaf = tree[json::json_pointer(pointer)];
-        if (const auto* b = std::get_if<bool*>(&field.value)) leaf = **b;
-        else if (const auto* i = std::get_if<int*>(&field.value)) leaf = **i;
-        else if (const auto* d = std::get_if<double*>(&field.value)) leaf = **d;
-        else leaf = valueOf(field);
+        if (const auto* b = std::get_if<bool*>(&field.value))
+            leaf = **b;
+        else if (const auto* i = std::get_if<int*>(&field.value))
+            leaf = **i;
+        else if (const auto* d = std::get_if<double*>(&field.value))
+            leaf = **d;
+        else
+            leaf = valueOf(field);
     }
     return tree;
 }

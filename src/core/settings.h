@@ -1,4 +1,5 @@
-// The one tree of settings. Every field is described once, in `fields`, and that description serves JSON, `--set a.b=c`,
+// The one tree of settings. Every field is described once, in `fields`, and that description serves JSON, `--set
+// a.b=c`,
 // `--help`, the viewer's panels and reports.
 #pragma once
 
@@ -89,17 +90,17 @@ struct Field {
     };
     std::string key;  ///< dotted, e.g. "cone.gain"
     std::variant<bool*, int*, double*, Choice> value;
-    double min = 0, max = 0;       ///< inclusive range of numbers
-    std::vector<int> allowed;      ///< when not empty, the only integers allowed
-    std::string unit;              ///< empty for plain numbers
-    std::string meaning;           ///< one line
+    double min = 0, max = 0;   ///< inclusive range of numbers
+    std::vector<int> allowed;  ///< when not empty, the only integers allowed
+    std::string unit;          ///< empty for plain numbers
+    std::string meaning;       ///< one line
 };
 
 /// All fields of `settings`, in the order of the documentation. Pointers live as long as `settings`.
 std::vector<Field> fields(Settings& settings);
 
-/// Reads a (partial) JSON tree into `settings`; key "preset" first, if there. `file` and `path` ("settings") place errors:
-/// an unknown key (the nearest right key is named), a wrong type or a value out of range throw InputError.
+/// Reads a (partial) JSON tree into `settings`; key "preset" first, if there. `file` and `path` ("settings") place
+/// errors: an unknown key (the nearest right key is named), a wrong type or a value out of range throw InputError.
 void applyJson(Settings& settings, const nlohmann::json& tree, const std::string& file, const std::string& path);
 
 /// Applies one "key=value" of the command line; "preset=NAME" loads a preset. Throws UsageError.

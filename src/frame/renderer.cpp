@@ -28,17 +28,20 @@ namespace {
 
 gl::TimerMode timerMode(const gl::Context& context, PassTimer setting) {
     switch (setting) {
-        case PassTimer::query: return gl::TimerMode::query;
-        case PassTimer::finish: return gl::TimerMode::finish;
-        case PassTimer::automatic: break;
+        case PassTimer::query:
+            return gl::TimerMode::query;
+        case PassTimer::finish:
+            return gl::TimerMode::finish;
+        case PassTimer::automatic:
+            break;
     }
     return gl::suitableTimerMode(context.info());
 }
 
 }  // namespace
 
-/// Passes hold the programs and textures of one scene under one tree of settings. Those that the scene or the settings do
-/// not need are absent.
+/// Passes hold the programs and textures of one scene under one tree of settings. Those that the scene or the settings
+/// do not need are absent.
 struct Renderer::Impl {
     Impl(gl::Context& glContext, const Scene& renderedScene, const Settings& givenSettings, double time)
         : context(glContext),
@@ -56,7 +59,8 @@ struct Renderer::Impl {
           readout(shaders) {
         const int limit = context.info().max2DTextureSize;
         if (width > limit || height > limit)
-            throw DeviceError(fmt::format("a picture of {}x{} samples is beyond GL_MAX_TEXTURE_SIZE {}", width, height, limit));
+            throw DeviceError(
+                fmt::format("a picture of {}x{} samples is beyond GL_MAX_TEXTURE_SIZE {}", width, height, limit));
         const bool lights = !scene.lights.empty();
         if (lights) direct = std::make_unique<DirectPass>(shaders, gbuffer.defines(), width, height);
         if (gpuScene.empty()) return;
@@ -65,7 +69,8 @@ struct Renderer::Impl {
         diffuse = std::make_unique<DiffusePass>(shaders, settings, sky, gbuffer.defines(), width, height);
         if (settings.specular.enabled && anySpecular()) {
             specularAlbedo = specularAlbedoTexture();
-            specular = std::make_unique<SpecularPass>(shaders, settings, sky, gbuffer.defines(), specularAlbedo, width, height);
+            specular = std::make_unique<SpecularPass>(shaders, settings, sky, gbuffer.defines(), specularAlbedo, width,
+                                                      height);
         }
         if (settings.shadow.cones && lights)
             softShadow = std::make_unique<SoftShadowPass>(shaders, settings, gbuffer.defines(), width, height);
@@ -85,7 +90,8 @@ struct Renderer::Impl {
         shadowMaps.update(gpuScene, timers);
         if (voxelizer) {
             voxels = voxelizer->voxelize(gpuScene, grid, timers);
-            field->update(voxels, sky, [this](gl::Program& program) { shadowMaps.bind(program); }, timers);
+            field->update(
+                voxels, sky, [this](gl::Program& program) { shadowMaps.bind(program); }, timers);
         }
         changed = false;
     }
@@ -98,7 +104,8 @@ struct Renderer::Impl {
         const auto bindGBuffer = [this](gl::Program& program, int unit) { gbuffer.bind(program, unit); };
         std::vector<const gl::Texture*> layers;
         if (direct && shadowMaps.lightCount() > 0) {
-            direct->run(shadowMaps, [&](gl::Program& program) { bindGBuffer(program, gl::kPassTextureUnit); }, timers);
+            direct->run(
+                shadowMaps, [&](gl::Program& program) { bindGBuffer(program, gl::kPassTextureUnit); }, timers);
             layers.push_back(&direct->texture());
         }
         if (voxelizer) {
@@ -120,9 +127,12 @@ struct Renderer::Impl {
         const Light light = worldLight(scene.lights.front(), gpuScene.worldMatrices());
         const bool directional = light.type == LightType::directional;
         // A rectangle as the disc of its area.
-        const double radius = light.type == LightType::rectangle ? std::sqrt(light.width * light.height / M_PI) : light.radius;
-        const glm::vec3 position = directional ? glm::vec3(-light.direction) : glm::vec3(light.position - gpuScene.origin());
-        softShadow->run(volume, position, static_cast<float>(directional ? 0.0 : radius), directional, bindGBuffer, timers);
+        const double radius =
+            light.type == LightType::rectangle ? std::sqrt(light.width * light.height / M_PI) : light.radius;
+        const glm::vec3 position =
+            directional ? glm::vec3(-light.direction) : glm::vec3(light.position - gpuScene.origin());
+        softShadow->run(volume, position, static_cast<float>(directional ? 0.0 : radius), directional, bindGBuffer,
+                        timers);
     }
 
     void collectStats() {
@@ -225,9 +235,13 @@ void Renderer::setTime(double time) {
     impl_->changed = true;
 }
 
-void Renderer::render(const Camera& worldCamera) { impl_->render(worldCamera); }
+void Renderer::render(const Camera& worldCamera) {
+    impl_->render(worldCamera);
+}
 
-Image Renderer::channel(const std::string& name) { return impl_->channel(name); }
+Image Renderer::channel(const std::string& name) {
+    return impl_->channel(name);
+}
 
 Image Renderer::display() {
     return impl_->readout.display(impl_->composite.beauty(), impl_->settings.output.toneMap,
@@ -244,7 +258,9 @@ void Renderer::reverseDrawOrder() {
     invalidate();
 }
 
-const FrameStats& Renderer::stats() const { return impl_->stats; }
+const FrameStats& Renderer::stats() const {
+    return impl_->stats;
+}
 
 std::vector<LeftOut> Renderer::leftOut() const {
     const Impl& r = *impl_;
@@ -256,9 +272,11 @@ std::vector<LeftOut> Renderer::leftOut() const {
     if (r.sky.kind() == 0) out.push_back({"sky", "the environment is black"});
     if (r.sky.kind() == 1) out.push_back({"environment texture", "the environment is one colour"});
     if (!r.specular && !r.gpuScene.empty())
-        out.push_back({"specular cones", r.settings.specular.enabled ? "no material reflects specularly" : "specular.enabled is false"});
+        out.push_back({"specular cones",
+                       r.settings.specular.enabled ? "no material reflects specularly" : "specular.enabled is false"});
     if (!r.softShadow) out.push_back({"soft shadow cones", "shadow.cones is false"});
-    if (r.settings.voxel.storage != VoxelStorage::six_face) out.push_back({"coverage volumes", "voxel.storage is isotropic"});
+    if (r.settings.voxel.storage != VoxelStorage::six_face)
+        out.push_back({"coverage volumes", "voxel.storage is isotropic"});
     if (r.settings.ao.distance <= 0) out.push_back({"occluder distances", "ao.distance is 0: all occluders count"});
     for (const Material& m : r.scene.materials)
         if (m.transmission > 0) {

@@ -29,9 +29,10 @@ struct FrameStats {
     };
     std::vector<Pass> passes;  ///< in the order they ran; passes that did not run are absent
     double frameMilliseconds = 0;
-    std::string timer;         ///< "query" or "finish"
+    std::string timer;  ///< "query" or "finish"
     std::vector<Memory> memory;
-    std::map<std::string, std::uint64_t> counts;  ///< triangles, occupied voxels, fragments saturated, values clamped, …
+    std::map<std::string, std::uint64_t>
+        counts;  ///< triangles, occupied voxels, fragments saturated, values clamped, …
 };
 
 /// Something that is not modelled, and why, for `voxcone info`.
@@ -42,9 +43,10 @@ struct LeftOut {
 /// Renders one scene. Not thread-safe: lives on the thread of its context.
 class Renderer {
   public:
-    /// Uploads `scene` as it is at `time` seconds and allocates only what scene and settings need. Throws DeviceError when a
-    /// limit is too small.
+    /// Uploads `scene` as it is at `time` seconds and allocates only what scene and settings need. Throws DeviceError
+    /// when a limit is too small. `scene` must outlive the renderer.
     Renderer(gl::Context& context, const Scene& scene, const Settings& settings, double time = 0);
+    Renderer(gl::Context&, Scene&&, const Settings&, double = 0) = delete;
     ~Renderer();
     Renderer(const Renderer&) = delete;
     Renderer& operator=(const Renderer&) = delete;
@@ -55,8 +57,8 @@ class Renderer {
     /// Draws one frame into the device's channels. Voxels and shadow maps are rebuilt only when something moved.
     void render(const Camera& worldCamera);
 
-    /// Reads a channel of the last frame back, linear float at output resolution; names as in capture/script.h. `beauty` is
-    /// linear radiance scaled by the exposure, before the tone curve.
+    /// Reads a channel of the last frame back, linear float at output resolution; names as in capture/script.h.
+    /// `beauty` is linear radiance scaled by the exposure, before the tone curve.
     Image channel(const std::string& name);
 
     /// Beauty through the tone curve, linear display-referred in [0,1].

@@ -65,8 +65,8 @@ void RadianceField::update(const Voxels& voxels, const Sky& sky, const std::func
         if (lights_) bindLights(inject_);
         dispatchItems(inject_, faces);
         gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-        // Half floats keep 11 bits between 6e-5 and 65504: put the brightest face at 2^11, which leaves a factor of 32 for
-        // bounces and as much as there is for the dim.
+        // Half floats keep 11 bits between 6e-5 and 65504: put the brightest face at 2^11, which leaves a factor of 32
+        // for bounces and as much as there is for the dim.
         const float brightest = std::bit_cast<float>(counters.read<VoxelCounters>()[0].brightest);
         const float most = std::max({brightest, sky.color.x, sky.color.y, sky.color.z});
         scale_ = most > 0 ? std::exp2(std::ceil(std::log2(most)) - 11) : 1;
@@ -83,7 +83,8 @@ void RadianceField::update(const Voxels& voxels, const Sky& sky, const std::func
         for (int i = 0; i < settings_.light.bounces; ++i) {
             const bool last = i + 1 == settings_.light.bounces;
             // Bounces k and k+1 add in the ratio ρ of a geometric series: the rest is ρ/(1−ρ) of the last.
-            const glm::dvec3 tail = last && settings_.light.extrapolate && i > 0 ? ratio / (1.0 - ratio) : glm::dvec3(0);
+            const glm::dvec3 tail =
+                last && settings_.light.extrapolate && i > 0 ? ratio / (1.0 - ratio) : glm::dvec3(0);
             bounce_.set("u_tail", glm::vec3(tail));
             bounce_.set("u_bounce", i);
             bounce_.set("u_faceCount", faces);

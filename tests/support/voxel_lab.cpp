@@ -11,7 +11,8 @@ VoxelLab::VoxelLab(gl::Context& context, const Scene& scene, const Settings& set
       field_(shaders_, settings, sky_, false) {
     gpuScene_.setOrigin(grid_.origin);
     voxels_ = voxelizer_.voxelize(gpuScene_, grid_, timers_);
-    field_.update(voxels_, sky_, [](gl::Program&) {}, timers_);
+    field_.update(
+        voxels_, sky_, [](gl::Program&) {}, timers_);
 }
 
 std::vector<ConeProbeResult> VoxelLab::gather(const std::vector<ConeProbe>& probes) {

@@ -1,0 +1,157 @@
+// The renderer as a whole: order of drawing, repetition, accounts of its time, empty and dark scenes.
+#include "frame/renderer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scene/gltf.h"
+#include "support/gl_context.h"
+#include "support/shapes.h"
+
+namespace voxcone::test {
+namespace {
+
+using RendererTest = GlTest;
+
+const std::vector<std::string> kChannels{"beauty", "direct", "indirect_diffuse", "indirect_specular", "ao", "albedo",
+                                         "normal", "depth",  "voxel_radiance",   "voxel_opacity"};
+
+Settings small() {
+    Settings settings;
+    settings.output.width = 96, settings.output.height = 64;
+    settings.voxel.resolution = 32;
+    settings.light.shadowResolution = 256;
+    settings.light.bounces = 3;
+    return settings;
+}
+
+/// Emitter, sheet, closed bodies, a directional and a sphere light, sky: something for every pass.
+Scene mixed(const glm::dmat4& placement = glm::dmat4(1)) {
+    Light sun;
+    sun.type = LightType::directional;
+    sun.direction = glm::normalize(glm::dvec3(-1, -2, -0.5));
+    sun.intensity = glm::vec3(3);
+    Light bulb;
+    bulb.type = LightType::sphere;
+    bulb.position = {0.8, 1.2, 0.4};
+    bulb.radius = 0.1;
+    bulb.intensity = glm::vec3(0.5f, 0.4f, 0.3f);
+    return SceneBuilder()
+        .add(quad(4, 4), glossy({0.7f, 0.7f, 0.7f}, 0, 0.4f))
+        .add(box({1, 1, 1}), lambert(glm::vec3(0.8f, 0.2f, 0.1f)),
+             translation({-0.8, 0.5, 0}) * rotation(30, {0, 1, 0}))
+        .add(sphere(0.4, 3), glossy({0.9f, 0.8f, 0.3f}, 1, 0.3f), translation({0.5, 0.4, 0.5}))
+        .add(quad(0.5, 0.5), lambert(0.5f, 2.0f), translation({1, 1, -1}) * rotation(70, {1, 0, 0}))
+        .light(sun)
+        .light(bulb)
+        .sky(glm::vec3(0.2f, 0.3f, 0.5f))
+        .transform(placement)
+        .build();
+}
+
+std::map<std::string, Image> channels(Renderer& renderer) {
+    std::map<std::string, Image> images;
+    for (const std::string& name : kChannels) images[name] = renderer.channel(name);
+    return images;
+}
+
+void expectSame(const std::map<std::string, Image>& a, const std::map<std::string, Image>& b) {
+    for (const auto& [name, image] : a) {
+        std::size_t different = 0;
+        for (std::size_t i = 0; i < image.data.size(); ++i) different += image.data[i] != b.at(name).data[i];
+        EXPECT_EQ(different, 0u) << name << " of " << image.data.size();
+    }
+}
+
+const Camera kCamera = camera({2, 2, 3}, {0, 0.3, 0});
+
+TEST_F(RendererTest, TheSamePictureBitForBitAgainAndInAnyOrder) {
+    const Scene scene = mixed();
+    Renderer renderer(glContext(), scene, small());
+    renderer.render(kCamera);
+    const auto first = channels(renderer);
+    double sum = 0;
+    for (const float v : first.at("indirect_diffuse").data) sum += v;
+    EXPECT_GT(sum, 1);
+
+    renderer.invalidate();
+    renderer.render(kCamera);
+    expectSame(first, channels(renderer));
+
+    renderer.reverseDrawOrder();
+    renderer.render(kCamera);
+    expectSame(first, channels(renderer));
+
+    Renderer other(glContext(), scene, small());
+    other.render(kCamera);
+    expectSame(first, channels(other));
+}
+
+TEST_F(RendererTest, PassesAddUpToTheFrame) {
+    const Scene scene = mixed();
+    Settings settings = small();
+    settings.output.width = 192, settings.output.height = 128;
+    Renderer renderer(glContext(), scene, settings);
+    renderer.render(kCamera);  // compiles the shaders
+    // The best of three: another process may take the processor between two passes.
+    double closest = 1;
+    for (int i = 0; i < 3; ++i) {
+        renderer.invalidate();
+        renderer.render(kCamera);
+        double sum = 0;
+        for (const auto& pass : renderer.stats().passes) sum += pass.milliseconds;
+        closest = std::min(closest, std::abs(1 - sum / renderer.stats().frameMilliseconds));
+    }
+    EXPECT_LE(closest, 0.05);
+}
+
+TEST_F(RendererTest, EverythingIsFinite) {
+    const Scene scene = mixed();
+    Renderer renderer(glContext(), scene, small());
+    renderer.render(kCamera);
+    for (const auto& [name, image] : channels(renderer))
+        for (const float v : image.data) ASSERT_TRUE(std::isfinite(v)) << name;
+}
+
+TEST_F(RendererTest, NoTrianglesGivesTheSky) {
+    const Scene scene = SceneBuilder().sky(glm::vec3(0.25f, 0.5f, 1)).build();
+    Renderer renderer(glContext(), scene, small());
+    renderer.render(kCamera);
+    const Image beauty = renderer.channel("beauty"), ao = renderer.channel("ao");
+    for (int i = 0; i < beauty.width * beauty.height; ++i) {
+        ASSERT_EQ(beauty.data[static_cast<std::size_t>(3 * i + 1)], 0.5f);
+        ASSERT_EQ(ao.data[static_cast<std::size_t>(i)], 1.0f);
+    }
+}
+
+TEST_F(RendererTest, NoLightGivesBlack) {
+    const Scene scene = oneObject(box({1, 1, 1}), lambert(0.5f));
+    Renderer renderer(glContext(), scene, small());
+    renderer.render(kCamera);
+    for (const float v : renderer.channel("beauty").data) ASSERT_EQ(v, 0.0f);
+}
+
+TEST_F(RendererTest, ScaleByAPowerOfTwoChangesNothing) {
+    const auto render = [](double scale) {
+        Scene scene = SceneBuilder()
+                          .add(quad(4, 4), lambert(0.7f))
+                          .add(box({1, 1, 1}), lambert(glm::vec3(0.8f, 0.2f, 0.1f)), translation({-0.8, 0.5, 0}))
+                          .sky(glm::vec3(0.2f, 0.3f, 0.5f))
+                          .transform(scaling(glm::dvec3(scale)))
+                          .build();
+        Renderer renderer(glContext(), scene, small());
+        renderer.render(camera(scale * glm::dvec3(2, 2, 3), scale * glm::dvec3(0, 0.3, 0)));
+        return renderer.channel("indirect_diffuse");
+    };
+    const Image one = render(1);
+    for (const double scale : {std::ldexp(1.0, -13), std::ldexp(1.0, 10)}) {
+        const Image other = render(scale);
+        std::size_t different = 0;
+        for (std::size_t i = 0; i < one.data.size(); ++i) different += one.data[i] != other.data[i];
+        EXPECT_EQ(different, 0u) << scale;
+    }
+}
+
+}  // namespace
+}  // namespace voxcone::test

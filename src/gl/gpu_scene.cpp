@@ -9,6 +9,7 @@
 
 #include "core/check.h"
 #include "core/error.h"
+#include "gl/alpha_mips.h"
 #include "gl/bindings.h"
 
 namespace voxcone::gl {
@@ -207,9 +208,18 @@ void GpuScene::uploadTextures() {
             const voxcone::Texture& image = scene_.textures[index];
             texture = Texture::create2D(slot.srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, image.width, image.height,
                                         fullMipLevels(image.width, image.height));
-            texture.upload(0, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba8.data());
-            texture.generateMipmaps();
+            if (slot.unit == kBaseColorUnit && scene_.materials[m].alphaMode != AlphaMode::opaque) {
+                const auto levels = alphaWeightedMips(image.width, image.height, image.rgba8);
+                for (std::size_t level = 0; level < levels.size(); ++level) {
+                    texture.upload(static_cast<int>(level), GL_RGBA, GL_UNSIGNED_BYTE, levels[level].data());
+                }
+            } else {
+                texture.upload(0, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba8.data());
+                texture.generateMipmaps();
+            }
             texture.filter(GL_LINEAR_MIPMAP_LINEAR, image.nearest ? GL_NEAREST : GL_LINEAR);
+            // Some devices filter magnified texels linearly as soon as there is anisotropy.
+            if (!image.nearest) texture.maxAnisotropy(8);
             texture.wrap(glWrap(image.wrapS), glWrap(image.wrapT));
         }
     }

@@ -32,9 +32,9 @@ uvec3 pcg3d(uvec3 v) {
     return v;
 }
 
-// Opacity as the chance that a pixel stops: the threshold is a hash of pixel, object and distance, so that a picture does
+// Opacity is the chance that a pixel stops: the threshold is a hash of pixel, object and distance, so that a picture does
 // not depend on the order of drawing and a still camera gives a still picture.
-float blendThreshold(float viewDepth) {
+float fragmentHash(float viewDepth) {
     uint key = uint(gl_FragCoord.x) | (uint(gl_FragCoord.y) << 16u);
     return (float(pcg3d(uvec3(key, v_object, floatBitsToUint(viewDepth))).x >> 8u) + 0.5) / 16777216.0;
 }
@@ -45,8 +45,7 @@ void main() {
     MaterialSample material = sampleMaterial(v_texCoord.xy, v_texCoord.zw, v_color);
     vec3 plane = cross(dFdx(v_fromEye), dFdy(v_fromEye));
 #ifdef ALPHA_TEST
-    float threshold = materialAlphaMode() == ALPHA_MASK ? materialAlphaCutoff() : blendThreshold(viewDepth);
-    if (material.alpha < threshold) discard;
+    if (material.alpha < materialAlphaThreshold(v_texCoord.xy, v_texCoord.zw, fragmentHash(viewDepth))) discard;
 #endif
 
     vec3 normal = dot(v_normal, v_normal) > 0.0 ? normalize(v_normal) : vec3(0.0);

@@ -1,6 +1,6 @@
-// Depth only. With ALPHA_TEST texels of masked materials below the cut-off are left out, and blended ones are drawn
-// through a screen door: of each 4×4 texels as many as their opacity says (Bayer's matrix), which the shadow filter
-// averages to a part of the light.
+// Depth only. With ALPHA_TEST texels of masked materials below the cut-off are left out. Blended ones, and masked ones
+// whose texture is minified, are drawn through a screen door: of each 4×4 texels as many as their opacity says (Bayer's
+// matrix), which the shadow filter averages to a part of the light.
 #if ALPHA_TEST
 #include "shared/material.glsl"
 
@@ -19,7 +19,6 @@ void main() {
 #if ALPHA_TEST
     float alpha = b_material.baseColor.a * v.alpha;
     if (materialHas(BASE_COLOR_UNIT)) alpha *= texture(u_baseColorTexture, materialUv(BASE_COLOR_UNIT, v.uv0, v.uv1)).a;
-    float cutoff = materialAlphaMode() == ALPHA_BLEND ? screenDoor(ivec2(gl_FragCoord.xy)) : materialAlphaCutoff();
-    if (alpha < cutoff) discard;
+    if (alpha < materialAlphaThreshold(v.uv0, v.uv1, screenDoor(ivec2(gl_FragCoord.xy)))) discard;
 #endif
 }

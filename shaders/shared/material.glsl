@@ -91,6 +91,17 @@ MaterialSample sampleMaterial(vec2 uv0, vec2 uv1, vec4 vertexColor) {
     return materialFromTexels(baseColor, metallicRoughness, normal, emission, vertexColor);
 }
 
+/// Threshold that the opacity of the drawn fragment is tested against. `random`: uniform in (0,1) over fragments; a
+/// blended surface stops that part of them which is its opacity. So does a masked one where its texture is minified:
+/// filtering makes its opacity the share of the texels that are there, and to cut that off would thin out foliage and
+/// lattices with the distance until they are gone (after Wyman and McGuire 2017, "Hashed Alpha Testing").
+float materialAlphaThreshold(vec2 uv0, vec2 uv1, float random) {
+    if (materialAlphaMode() == ALPHA_BLEND) return random;
+    if (!materialHas(BASE_COLOR_UNIT)) return materialAlphaCutoff();
+    float lod = textureQueryLod(u_baseColorTexture, materialUv(BASE_COLOR_UNIT, uv0, uv1)).y;
+    return mix(materialAlphaCutoff(), random, clamp(lod, 0.0, 1.0));
+}
+
 // With the uv area that one sample stands for: uvPerSample0 and uvPerSample1 are the lengths, in units of UV sets 0 and 1,
 // that a voxel (or any footprint) covers on the surface; the mip whose texels are that large is taken. For voxelization,
 // where the derivatives of the draw mean nothing.

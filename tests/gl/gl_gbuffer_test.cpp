@@ -246,6 +246,38 @@ TEST_F(GlTest, SupersamplesAreAveragedOverPixels) {
     EXPECT_GT(partly, 50);
 }
 
+TEST_F(GlTest, MinifiedMaskKeepsItsShare) {
+    // Three texels of eight are there, and dozens of them in every pixel: cut at the filtered opacity nothing would be
+    // left.
+    constexpr int kTexels = 256;
+    Texture image;
+    image.width = image.height = kTexels;
+    for (int i = 0; i < kTexels * kTexels; ++i) {
+        const auto alpha = static_cast<std::uint8_t>((i + i / kTexels * 3) % 8 < 3 ? 255 : 0);
+        for (int c = 0; c < 4; ++c) image.rgba8.push_back(alpha);
+    }
+    Material material = test::lambert(1.0f);
+    material.baseColorTexture.texture = 0;
+    material.baseColorTexture.uvTransform = glm::mat3x2(8, 0, 0, 8, 0, 0);
+    material.alphaMode = AlphaMode::mask;
+    Scene scene = test::oneObject(test::quad(40, 40), material);
+    scene.textures.push_back(image);
+    Drawn drawn(scene, test::camera({0, 10, 0.01}, {0, 0, 0}));
+    const Image albedo = drawn.gbuffer.channel("albedo", 1);
+    int there = 0;
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            const float value = at(albedo, x, y).r;
+            if (value == 0) continue;
+            ++there;
+            // Black texels that are not there do not darken the others.
+            ASSERT_NEAR(value, 1, 1e-2) << x << ' ' << y;
+        }
+    }
+    const double pixels = kWidth * kHeight, share = there / pixels;
+    EXPECT_NEAR(share, 0.375, 4 * std::sqrt(0.25 / pixels));
+}
+
 TEST_F(GlTest, TexelsAreTheOnesUnderThePixelAlsoAtEdgesOfTriangles) {
     // Magnified texels on many small triangles: a pixel that took its derivatives from nowhere would show a coarse mip.
     constexpr int kTexels = 8;

@@ -95,14 +95,6 @@ void addToFace(uint record, int face, float weight, Surfel surfel) {
 
 void main() {
     ivec2 cell = ivec2(gl_FragCoord.xy);
-    Polygon column = Polygon(vec3[](f_p0, f_p1, f_p2, f_p0, f_p0, f_p0, f_p0, f_p0, f_p0), 3);
-    for (int plane = 0; plane < 4; ++plane) {
-        int axis = plane >> 1;
-        bool upper = (plane & 1) != 0;
-        clipPolygon(column, axis, float(cell[axis] + int(upper)), upper ? -1.0 : 1.0);
-    }
-    if (column.count == 0) return;
-
     vec2 e1 = f_p1.xy - f_p0.xy, e2 = f_p2.xy - f_p0.xy;
     vec3 twiceArea = cross(f_p1 - f_p0, f_p2 - f_p0);  // z is its largest component
     float determinant = twiceArea.z;
@@ -114,13 +106,12 @@ void main() {
     vec2 uvArea = abs(uvE1.xz * uvE2.yw - uvE1.yw * uvE2.xz);
     vec2 uvPerVoxel = sqrt(uvArea / abs(determinant) / length(planeNormal));
 
-    ivec2 depths = depthRange(column, u_resolution);
+    ivec2 depths = depthRange(cell, u_resolution);
     for (int z = depths.x; z <= depths.y; ++z) {
-        Polygon inside = column;
-        for (int plane = 0; plane < 2; ++plane) clipPolygon(inside, 2, float(z + plane), plane == 0 ? 1.0 : -1.0);
-        if (!insideHalfOpenCell(inside, vec3(cell, z))) continue;
-        vec3 middle;
-        vec3 coverage = abs(unpermute(vectorArea(inside, middle), f_axis));
+        Piece piece = pieceIn(vec3(cell, z), vec3(cell, z) + 1.0, 6);
+        if (!piece.any) continue;
+        vec3 middle = middleOf(piece);
+        vec3 coverage = abs(unpermute(piece.area, f_axis));
 #if BINARY_COVERAGE
         coverage = vec3(greaterThan(abs(frontNormal), vec3(1e-3)));
 #else

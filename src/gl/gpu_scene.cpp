@@ -194,6 +194,7 @@ void GpuScene::uploadMaterials() {
 void GpuScene::uploadTextures() {
     colorTextures_.resize(scene_.textures.size());
     dataTextures_.resize(scene_.textures.size());
+    isotropicSamplers_.resize(scene_.textures.size());
     std::vector<char> usedMaterials(scene_.materials.size(), 0);
     for (const Instance& instance : scene_.instances) {
         usedMaterials[static_cast<std::size_t>(scene_.meshes[static_cast<std::size_t>(instance.mesh)].material)] = 1;
@@ -221,6 +222,8 @@ void GpuScene::uploadTextures() {
             // Some devices filter magnified texels linearly as soon as there is anisotropy.
             if (!image.nearest) texture.maxAnisotropy(8);
             texture.wrap(glWrap(image.wrapS), glWrap(image.wrapT));
+            isotropicSamplers_[index] = Sampler(GL_LINEAR_MIPMAP_LINEAR, image.nearest ? GL_NEAREST : GL_LINEAR,
+                                                glWrap(image.wrapS), glWrap(image.wrapT));
         }
     }
 }
@@ -348,7 +351,7 @@ void GpuScene::bindStorage() const {
     if (objectBuffer_) objectBuffer_.bindBase(GL_SHADER_STORAGE_BUFFER, kObjectStorage);
 }
 
-void GpuScene::draw(Program& program, const BatchFilter& filter) const {
+void GpuScene::draw(Program& program, const BatchFilter& filter, TextureFiltering filtering) const {
     program.use();
     bindStorage();
     int boundMaterial = -1;
@@ -360,8 +363,9 @@ void GpuScene::draw(Program& program, const BatchFilter& filter) const {
                                       static_cast<std::size_t>(batch.material) * materialStride_, sizeof(GpuMaterial));
             for (const Slot& slot : slots(scene_.materials[static_cast<std::size_t>(batch.material)])) {
                 if (slot.slot->texture < 0) continue;
-                (slot.srgb ? colorTextures_ : dataTextures_)[static_cast<std::size_t>(slot.slot->texture)].bindTo(
-                    slot.unit);
+                const auto index = static_cast<std::size_t>(slot.slot->texture);
+                (slot.srgb ? colorTextures_ : dataTextures_)[index].bindTo(slot.unit);
+                if (filtering == TextureFiltering::isotropic) isotropicSamplers_[index].bindTo(slot.unit);
             }
         }
         program.set("u_closed", batch.closed);
@@ -372,6 +376,7 @@ void GpuScene::draw(Program& program, const BatchFilter& filter) const {
             static_cast<GLsizei>(batch.objectCount), batch.baseVertex, batch.firstObject);
     }
     glFrontFace(GL_CCW);
+    for (const int unit : {kBaseColorUnit, kMetallicRoughnessUnit, kNormalUnit, kEmissionUnit}) Sampler::unbind(unit);
 }
 
 void GpuScene::reverseDrawOrder() {

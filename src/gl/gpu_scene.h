@@ -31,6 +31,8 @@ struct Batch {
 /// Which batches a draw takes; empty = all.
 using BatchFilter = std::function<bool(const Batch&)>;
 
+enum class TextureFiltering { anisotropic, isotropic };
+
 /// Uploads what drawing needs: one vertex array (gl/bindings.h, shaders/shared/objects.glsl), object and material
 /// storage blocks, and the textures that materials use, with full mip chains (colour as sRGB). Scenes without textures
 /// have none. Positions that shaders see are world positions minus `origin()`.
@@ -61,7 +63,10 @@ class GpuScene {
 
     /// Draws the batches that `filter` takes with `program` in use, in an order fixed by the scene: binds the
     /// material's textures and block, sets u_closed (shared/material.glsl) and the winding of front faces.
-    void draw(Program& program, const BatchFilter& filter = {}) const;
+    /// `filtering`: isotropic for shaders that choose the mip themselves, since what anisotropic filtering makes of an
+    /// explicit level is the device's own (llvmpipe widens it by the derivatives of the draw).
+    void draw(Program& program, const BatchFilter& filter = {},
+              TextureFiltering filtering = TextureFiltering::anisotropic) const;
 
     /// Binds the object block and the vertex array; `draw` does so itself.
     void bindStorage() const;
@@ -100,6 +105,7 @@ class GpuScene {
     Buffer vertices_, indexBuffer_, objectIndices_, objectBuffer_, materialBuffer_;
     VertexArray vertexArray_;
     std::vector<Texture> colorTextures_, dataTextures_;  ///< by index in Scene::textures; empty where unused
+    std::vector<Sampler> isotropicSamplers_;             ///< likewise
 };
 
 }  // namespace voxcone::gl

@@ -178,7 +178,7 @@ void Voxelizer::accumulate(const gl::GpuScene& scene, Voxels& voxels) {
         accumulate_.set("u_emissionUnit", emissionUnit_);
         framebuffer_.bind();
         gl::DrawState{}.apply();
-        scene.draw(accumulate_);
+        scene.draw(accumulate_, {}, gl::TextureFiltering::isotropic);
         gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 
         if (voxels.coveragePositive) {

@@ -24,9 +24,11 @@ void main() {
         cone.direction = toLight / distance_;
         float sine = min(u_lightRadius / distance_, 0.99);
         cone.tanHalfAngle = sine * inversesqrt(1.0 - sine * sine);
+        // Short of the light by its radius and what filtering spreads: a lamp's own casing must not shade it.
+        float reach = max(distance_ - u_lightRadius, 0.0) * u_inverseVoxelSize - 2.0;
         visibility = 0.0;
         if (dot(cone.direction, cone.normal) > 0.0)
-            visibility = traceConeTo(cone, u_directional ? 1e30 : distance_ * u_inverseVoxelSize).transmittance;
+            visibility = traceConeTo(cone, u_directional ? 1e30 : reach).transmittance;
     }
     imageStore(u_visibility, pixel, vec4(visibility));
 }

@@ -32,10 +32,10 @@ constexpr Preset kPresets[] = {
                    "cone": {"diffuse": 9, "compositing": "alpha", "start": "nudge", "footprint_cap": 0, "step": 1,
                             "rotate": false},
                    "specular": {"aperture": "linear"}})"},
-    {"fast", R"({"light": {"bounces": 2, "bounce_cones": 5}, "cone": {"diffuse": 6, "step": 1.5}})"},
+    {"fast", R"({"light": {"bounces": 2, "bounce_cones": 5}, "cone": {"diffuse": 6, "step": 1.5, "footprint_cap": 6}})"},
     {"balanced", "{}"},
     {"accurate", R"({"light": {"bounces": 6, "bounce_cones": 16},
-                     "cone": {"diffuse": 32, "footprint_cap": 8, "offset": 0.5}, "specular": {"step": 0.5}})"},
+                     "cone": {"diffuse": 32, "footprint_cap": 16, "offset": 0.5}, "specular": {"step": 0.5}})"},
 };
 
 template <class E>

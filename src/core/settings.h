@@ -50,7 +50,7 @@ struct Settings {
         double step = 1;
         Compositing compositing = Compositing::linear;
         double gain = 1.5;
-        double footprintCap = 6;
+        double footprintCap = 12;
         StartOffset start = StartOffset::normal;
         double offset = 0.75;
         double headStart = 1;

@@ -43,22 +43,22 @@ void RadianceField::update(const Voxels& voxels, const Sky& sky, const std::func
     const int r = voxels.grid.resolution;
     const bool sixFace = static_cast<bool>(voxels.coveragePositive);
     const std::size_t faceBytes = std::max<std::size_t>(voxels.count, 1) * 6 * sizeof(glm::vec4);
-    if (!volume_) {
-        volume_ = gl::Texture::create3D(GL_RGBA16F, r, r, sixFace ? 6 * r : r, gridLevels(r));
-        volume_.wrap(GL_CLAMP_TO_EDGE);
-    }
-    if (radiance_.bytes() != faceBytes) radiance_ = gl::Buffer(faceBytes);
     const std::uint32_t faces = voxels.count * 6;
 
     counters_ = VoxelCounters{};
     gl::Buffer counters(sizeof counters_, &counters_);
-    counters.bindBase(GL_SHADER_STORAGE_BUFFER, kCounterStorage);
-    voxels.list.bindBase(GL_SHADER_STORAGE_BUFFER, kVoxelStorage);
-    voxels.faces.bindBase(GL_SHADER_STORAGE_BUFFER, kFaceStorage);
-    voxels.coverage.bindBase(GL_SHADER_STORAGE_BUFFER, kCoverageStorage);
-    radiance_.bindBase(GL_SHADER_STORAGE_BUFFER, kRadianceStorage);
     {
         const auto pass = timers.pass("light: inject");
+        if (!volume_) {
+            volume_ = gl::Texture::create3D(GL_RGBA16F, r, r, sixFace ? 6 * r : r, gridLevels(r));
+            volume_.wrap(GL_CLAMP_TO_EDGE);
+        }
+        if (radiance_.bytes() != faceBytes) radiance_ = gl::Buffer(faceBytes);
+        counters.bindBase(GL_SHADER_STORAGE_BUFFER, kCounterStorage);
+        voxels.list.bindBase(GL_SHADER_STORAGE_BUFFER, kVoxelStorage);
+        voxels.faces.bindBase(GL_SHADER_STORAGE_BUFFER, kFaceStorage);
+        voxels.coverage.bindBase(GL_SHADER_STORAGE_BUFFER, kCoverageStorage);
+        radiance_.bindBase(GL_SHADER_STORAGE_BUFFER, kRadianceStorage);
         volume_.clear();
         inject_.set("u_faceCount", faces);
         inject_.set("u_voxelSize", static_cast<float>(voxels.grid.voxelSize));

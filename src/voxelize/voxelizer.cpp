@@ -126,14 +126,14 @@ Voxels Voxelizer::voxelize(const gl::GpuScene& scene, const VoxelGrid& grid, gl:
         run(list_);
         gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
-    if (settings_.storage == VoxelStorage::six_face) {
-        for (gl::Texture* volume : {&voxels.coveragePositive, &voxels.coverageNegative}) {
-            *volume = gl::Texture::create3D(GL_RGBA16, r, r, r, gridLevels(r));
-            volume->clear();
-        }
-    }
     {
         const auto pass = timers.pass("voxelize: accumulate");
+        if (settings_.storage == VoxelStorage::six_face) {
+            for (gl::Texture* volume : {&voxels.coveragePositive, &voxels.coverageNegative}) {
+                *volume = gl::Texture::create3D(GL_RGBA16, r, r, r, gridLevels(r));
+                volume->clear();
+            }
+        }
         accumulate(scene, voxels);
     }
     voxels.counters = counters.read<VoxelCounters>()[0];

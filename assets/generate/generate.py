@@ -67,7 +67,7 @@ def basic(_):
 
 
 def furnace(options):
-    """Closed room whose every surface emits radiance 0.5 and reflects half: radiance is 1 everywhere (ACCURACY row A1)."""
+    """Closed room whose every surface emits radiance 0.5 and reflects half: radiance is 1 everywhere (docs/accuracy.md, row A1)."""
     w = Writer(furnace.__doc__)
     wall = w.material("wall", (0.5, 0.5, 0.5), emission=(0.5, 0.5, 0.5), lambert=True)
     for i, slab in enumerate(shapes.shell((-2, 0, -2.5), (2, 3, 2.5), options.thickness or 0.25)):

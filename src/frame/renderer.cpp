@@ -99,6 +99,8 @@ struct Renderer::Impl {
     /// The frame, pass by pass.
     void render(const Camera& worldCamera) {
         timers.beginFrame();
+        // Passes store into the images that the last frame fetched.
+        gl::memoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
         if (changed) updateVoxels();
         gbuffer.draw(gpuScene, cameraView(worldCamera, gpuScene.origin(), gpuScene.bounds(), width, height), timers);
         const auto bindGBuffer = [this](gl::Program& program, int unit) { gbuffer.bind(program, unit); };
@@ -274,7 +276,10 @@ std::vector<LeftOut> Renderer::leftOut() const {
     if (!r.specular && !r.gpuScene.empty())
         out.push_back({"specular cones",
                        r.settings.specular.enabled ? "no material reflects specularly" : "specular.enabled is false"});
-    if (!r.softShadow) out.push_back({"soft shadow cones", "shadow.cones is false"});
+    if (!r.softShadow)
+        out.push_back({"soft shadow cones", !r.settings.shadow.cones ? "shadow.cones is false"
+                                            : r.scene.lights.empty() ? "the scene has no analytic light"
+                                                                     : "the scene has no triangles"});
     if (r.settings.voxel.storage != VoxelStorage::six_face)
         out.push_back({"coverage volumes", "voxel.storage is isotropic"});
     if (r.settings.ao.distance <= 0) out.push_back({"occluder distances", "ao.distance is 0: all occluders count"});

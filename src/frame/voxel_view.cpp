@@ -25,6 +25,8 @@ void VoxelView::draw(const std::string& what, const CameraView& view, const Voxe
     program_.set("u_inverseVoxelSize", static_cast<float>(1 / voxels.grid.voxelSize));
     program_.set("u_cameraPosition", view.position);
     program_.set("u_cameraRays", view.rays);
+    // The picture of another kind may just have been fetched.
+    gl::memoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
     picture_.bindImage(0, 0, GL_WRITE_ONLY);
     program_.set("u_picture", 0);
     gl::dispatch(program_, gl::groupsFor(picture_.width(), 8), gl::groupsFor(picture_.height(), 8), 1);

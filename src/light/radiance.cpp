@@ -59,6 +59,9 @@ void RadianceField::update(const Voxels& voxels, const Sky& sky, const std::func
         voxels.faces.bindBase(GL_SHADER_STORAGE_BUFFER, kFaceStorage);
         voxels.coverage.bindBase(GL_SHADER_STORAGE_BUFFER, kCoverageStorage);
         radiance_.bindBase(GL_SHADER_STORAGE_BUFFER, kRadianceStorage);
+        // What the last update stored is done with before it is cleared and written over, and so is who read it.
+        gl::memoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT |
+                          GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
         volume_.clear();
         inject_.set("u_faceCount", faces);
         inject_.set("u_voxelSize", static_cast<float>(voxels.grid.voxelSize));
@@ -91,7 +94,9 @@ void RadianceField::update(const Voxels& voxels, const Sky& sky, const std::func
             setConeUniforms(bounce_, settings_, sky, volume(voxels), settings_.cone.step, gl::kPassTextureUnit);
             setConeSetUniforms(bounce_, settings_.light.bounceCones);
             dispatchItems(bounce_, faces);
-            gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+            // The images that are stored next are those that the cones have just fetched.
+            gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
+                              GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
             store(voxels);
             if (last) break;
             VoxelCounters now = counters.read<VoxelCounters>()[0];
@@ -114,7 +119,8 @@ void RadianceField::store(const Voxels& voxels) {
     store_.set("u_resolution", voxels.grid.resolution);
     store_.set("u_inverseRadianceScale", 1 / scale_);
     dispatchItems(store_, voxels.count);
-    gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    // Storage: the next bounce writes the faces that were read here.
+    gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
 
     volume_.bindTo(gl::kPassTextureUnit);
     mip_.set("u_finer", gl::kPassTextureUnit);

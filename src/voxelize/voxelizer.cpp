@@ -90,6 +90,8 @@ Voxels Voxelizer::voxelize(const gl::GpuScene& scene, const VoxelGrid& grid, gl:
 
     {
         const auto pass = timers.pass("voxelize: mark");
+        // The index still holds what shaders stored into it last time.
+        gl::memoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
         index_.clear();
         index_.bindImage(kIndexImage, 0, GL_WRITE_ONLY);
         mark_.set("u_index", kIndexImage);
@@ -158,7 +160,9 @@ Voxels Voxelizer::voxelize(const gl::GpuScene& scene, const VoxelGrid& grid, gl:
 void Voxelizer::accumulate(const gl::GpuScene& scene, Voxels& voxels) {
     const bool cas = settings_.averaging == VoxelAveraging::compare_and_swap;
     const std::size_t recordBytes = 6 * sizeof(std::uint32_t) * static_cast<std::size_t>(faceWords(cas, emission_));
-    const std::size_t most = std::max<std::size_t>(static_cast<std::size_t>(maxRecordBytes_) / recordBytes, 1);
+    // No more than one dispatch of the resolve may hold, either.
+    const std::size_t most =
+        std::clamp<std::size_t>(static_cast<std::size_t>(maxRecordBytes_) / recordBytes, 1, 65535 * 64);
     const std::uint32_t chunk = static_cast<std::uint32_t>(std::min<std::size_t>(std::max(voxels.count, 1u), most));
     gl::Buffer records(chunk * recordBytes);
     voxels.faces.bindBase(GL_SHADER_STORAGE_BUFFER, kFaceStorage);

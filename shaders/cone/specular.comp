@@ -16,7 +16,7 @@ void main() {
     if (s.hit) {
         float nDotV = max(dot(s.normal, s.toEye), 1e-3);
         float roughness = sqrt(s.surface.alpha);
-        vec2 parts = texture(u_specularAlbedo, vec2(nDotV, roughness)).rg;
+        vec2 parts = textureLod(u_specularAlbedo, vec2(nDotV, roughness), 0.0).rg;
         vec3 albedo = s.surface.f0 * parts.x + s.surface.f90 * parts.y;
         if (max(albedo.r, max(albedo.g, albedo.b)) > 0.0) {
             Cone cone;

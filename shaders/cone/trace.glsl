@@ -1,5 +1,5 @@
-// Cones through the voxels. Needs the defines SIX_FACE, COMPOSITING_{LINEAR,EXPONENTIAL,ALPHA}, START_NORMAL, FOOTPRINT_CAP,
-// AO_DISTANCE, and skyRadiance(direction, tanHalfAngle) before it is included.
+// Cones through the voxels. Needs the defines SIX_FACE, COMPOSITING_{LINEAR,EXPONENTIAL,ALPHA}, START_NORMAL, FOOTPRINT_CAP
+// and AO_DISTANCE.
 //
 // All lengths are in voxels of the finest level, and positions are in [0, resolution].
 
@@ -47,7 +47,8 @@ float occluderWeight(float distance_) {
 #endif
 }
 
-/// Distance along `d` from `o` to where it leaves the grid; 0 when `o` is outside and `d` never enters.
+/// Distances along `d` from `o` to where it enters the grid (0 from inside) and leaves it; it leaves before it enters when
+/// it never meets the grid.
 vec2 gridRange(vec3 o, vec3 d) {
     vec3 inverse = 1.0 / mix(d, vec3(1e-20), equal(d, vec3(0.0)));
     vec3 a = -o * inverse, b = (float(u_resolution) - o) * inverse;

@@ -45,7 +45,8 @@ const float kPi = 3.14159265358979;
 // ---------------------------------------------------------------------------------------------------- without shadows
 
 // Form factor of a sphere whose centre is at `toCenter`, cut by the horizon of unit normal n, over radius²
-// (ACCURACY rows B5, B6: irradiance = π L F, and L = intensity / (π radius²), so irradiance = intensity · F/radius²).
+// (docs/accuracy.md, rows B5 and B6: irradiance = π L F, and L = intensity / (π radius²), so irradiance =
+// intensity · F/radius²).
 float sphereFormFactorOverRadius2(vec3 toCenter, vec3 n, float radius) {
     float d2 = dot(toCenter, toCenter), r2 = radius * radius;
     float c = dot(n, toCenter) * inversesqrt(d2);
@@ -66,8 +67,8 @@ float edgeIntegral(vec3 a, vec3 b, vec3 n) {
     return sine > 0.0 ? atan(sine, dot(normalize(a), normalize(b))) * dot(n, product) / sine : 0.0;
 }
 
-// Form factor of a rectangle seen from the origin, cut by the horizon of unit normal n (row C3). One-sided: light travels
-// along `direction`.
+// Form factor of a rectangle seen from the origin, cut by the horizon of unit normal n (docs/accuracy.md, row C3).
+// One-sided: light travels along `direction`.
 float rectangleFormFactor(vec3 center, vec3 direction, vec3 halfRight, vec3 halfUp, vec3 n) {
     if (dot(center, direction) >= 0.0) return 0.0;
     vec3 corners[4] = vec3[4](center - halfRight - halfUp, center + halfRight - halfUp, center + halfRight + halfUp,
@@ -208,7 +209,8 @@ float sampleVisibility(Light light, ShadowView view, vec3 pos, vec3 normal, floa
     float stratum = light.stratumSize;
     if (stratum > 0.0) {
         // Percentage-closer soft shadows (Fernando 2005) for the stratum: where blockers are, on average, makes the width
-        // of the penumbra (row K2). Blockers nearer to the light than a fifth of the way are searched too narrowly.
+        // of the penumbra (docs/accuracy.md, row K2). Blockers nearer to the light than a fifth of the way are searched too
+        // narrowly.
         float reach = max(min(4.0 * stratum / (p.z * view.texel), view.maxKernel), kernel);
         float sum = 0.0, count = 0.0;
         for (int i = 0; i < 4; ++i) {
@@ -333,7 +335,7 @@ void directLight(Surface surface, vec3 pos, vec3 geometricNormal, vec3 shadingNo
             diffuseSum += seen * evaluateDiffuse(surface, shadingNormal, toEye, s.toLight);
             specularSum += seen * evaluateSpecular(widened, shadingNormal, toEye, s.toLight);
         }
-        if (shares <= 0.0) continue;
+        if (!(shares > 0.0)) continue;
         diffuse += irradiance * diffuseSum / shares;
         specular += irradiance * specularSum / shares;
     }

@@ -85,7 +85,8 @@ float diffuseAlbedoScale(Surface surface, float nDotV) {
 }
 
 // Share of uniform incoming power that the whole BRDF reflects: the albedo of the Lambert surface that a voxel stores.
-// The fits in roughness are off by less than 0.003 per unit of f0 and 0.0005 per unit of f90. At most 1, though glTF's mix of lobes gains up to 0.04 on white dielectrics.
+// The fits in roughness are off by less than 0.003 per unit of f0 and 0.0005 per unit of f90. At most 1, though glTF's mix
+// of lobes gains up to 0.04 on white dielectrics.
 vec3 voxelAlbedo(Surface surface) {
     float r = sqrt(surface.alpha);
     float scale = 0.953858 + r * (-0.067320 + r * (0.790232 + r * (-2.812090 + r * 1.544472)));

@@ -30,7 +30,8 @@ float nextDither() {
     g_dither = hash(g_dither);
     return float(g_dither >> 8) * (1.0 / 16777216.0);
 }
-uint dithered(float value) { return uint(value + nextDither()); }
+// A negative float (a normal's component may round to just below -1) or one beyond 32 bits has no conversion.
+uint dithered(float value) { return uint(clamp(value + nextDither(), 0.0, 4294967040.0)); }
 
 Surface surfaceOf(MaterialSample s) {
     return Surface(s.baseColor * (1.0 - s.metallic), mix(s.f0Dielectric, s.baseColor, s.metallic),

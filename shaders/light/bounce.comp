@@ -8,7 +8,6 @@
 layout(local_size_x = 64) in;
 
 uniform uint u_faceCount;
-uniform int u_bounce;              // 0, 1, …
 uniform float u_fixedPointUnit;    // steps of the sums for a radiance of 1
 uniform vec3 u_tail;               // what all further bounces add, over what this one adds
 layout(std430, binding = COUNTER_STORAGE) coherent buffer Counters { VOXEL_COUNTERS };
@@ -29,7 +28,7 @@ void main() {
     cone.tanHalfAngle = u_coneTanHalfAngle;
     mat3 frame = frameAround(cone.normal);
     // Neighbouring voxels turn their sets differently, so that what one set misses the next one sees.
-    int turn = (voxel.x * 5 + voxel.y * 11 + voxel.z * 7 + u_bounce * 9) & 15;
+    int turn = (voxel.x * 5 + voxel.y * 11 + voxel.z * 7) & 15;
     vec3 gathered = vec3(0.0);
     for (int i = 0; i < CONES; ++i) {
         vec4 local = coneOfSet(i, turnOf(turn, 16), shiftOf(turn, 16));

@@ -20,7 +20,18 @@ VOXELIZE_VARYINGS(out)
 // plus 1/500 was measured to be enough: 1/128 leaves room.
 const float kEnlarge = 0.5 + 1.0 / 128.0;
 
+// The triangle, permuted, and the axis that went to z.
+int g_axis;
+vec3 g_p0, g_p1, g_p2;
+
 void emitAt(vec2 q) {
+    // Outputs are undefined after EmitVertex, and flat ones come from the last vertex of a triangle: set them every time.
+    f_axis = g_axis;
+    f_p0 = g_p0, f_p1 = g_p1, f_p2 = g_p2;
+    f_n0 = v[0].normal, f_n1 = v[1].normal, f_n2 = v[2].normal;
+    f_uv0 = v[0].uv, f_uv1 = v[1].uv, f_uv2 = v[2].uv;
+    f_color0 = v[0].color, f_color1 = v[1].color, f_color2 = v[2].color;
+    f_mirror = v[0].mirror;
     gl_Position = vec4(q * (2.0 / float(u_resolution)) - 1.0, 0.0, 1.0);
     EmitVertex();
 }
@@ -56,12 +67,8 @@ void main() {
     if (axis == 0) p0 = p0.yzx, p1 = p1.yzx, p2 = p2.yzx;
     if (axis == 1) p0 = p0.zxy, p1 = p1.zxy, p2 = p2.zxy;
 
-    f_axis = axis;
-    f_p0 = p0, f_p1 = p1, f_p2 = p2;
-    f_n0 = v[0].normal, f_n1 = v[1].normal, f_n2 = v[2].normal;
-    f_uv0 = v[0].uv, f_uv1 = v[1].uv, f_uv2 = v[2].uv;
-    f_color0 = v[0].color, f_color1 = v[1].color, f_color2 = v[2].color;
-    f_mirror = v[0].mirror;
+    g_axis = axis;
+    g_p0 = p0, g_p1 = p1, g_p2 = p2;
 
 #if !CONSERVATIVE
     emitAt(p0.xy), emitAt(p1.xy), emitAt(p2.xy);

@@ -89,7 +89,6 @@ void RadianceField::update(const Voxels& voxels, const Sky& sky, const std::func
             const glm::dvec3 tail =
                 last && settings_.light.extrapolate && i > 0 ? ratio / (1.0 - ratio) : glm::dvec3(0);
             bounce_.set("u_tail", glm::vec3(tail));
-            bounce_.set("u_bounce", i);
             bounce_.set("u_faceCount", faces);
             setConeUniforms(bounce_, settings_, sky, volume(voxels), settings_.cone.step, gl::kPassTextureUnit);
             setConeSetUniforms(bounce_, settings_.light.bounceCones);

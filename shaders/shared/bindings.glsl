@@ -7,7 +7,6 @@
 #define PASS_TEXTURE_UNIT 5
 
 #define OBJECT_STORAGE 0
-#define PASS_STORAGE 2
 
 #define MATERIAL_BLOCK 0
 

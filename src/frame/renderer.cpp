@@ -1,13 +1,10 @@
 #include "frame/renderer.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "cascade/grid.h"
 #include "cone/gather.h"
 #include "core/check.h"
-#include "core/error.h"
 #include "frame/gbuffer.h"
 #include "frame/tonemap.h"
 #include "frame/voxel_view.h"
@@ -57,10 +54,6 @@ struct Renderer::Impl {
           gbuffer(shaders, gpuScene, width, height),
           composite(shaders, gbuffer, sky),
           readout(shaders) {
-        const int limit = context.info().max2DTextureSize;
-        if (width > limit || height > limit)
-            throw DeviceError(
-                fmt::format("a picture of {}x{} samples is beyond GL_MAX_TEXTURE_SIZE {}", width, height, limit));
         const bool lights = !scene.lights.empty();
         if (lights) direct = std::make_unique<DirectPass>(shaders, gbuffer.defines(), width, height);
         if (gpuScene.empty()) return;
@@ -166,6 +159,7 @@ struct Renderer::Impl {
         stats.counts["voxels_occupied"] = voxels.count;
         stats.counts["voxel_fragments"] = voxels.counters.fragments;
         stats.counts["voxel_sums_saturated"] = voxels.counters.saturated;
+        stats.counts["emission_clamped"] = voxels.counters.clamped;
         stats.counts["radiance_clamped"] = field ? field->clamped() : 0;
     }
 

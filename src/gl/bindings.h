@@ -13,9 +13,8 @@ enum MaterialUnit : int {
 constexpr int kEnvironmentUnit = 4;
 constexpr int kPassTextureUnit = 5;
 
-/// Shader storage block 0 is the scene's; passes use kPassStorage and up.
+/// Shader storage block 0 is the scene's; passes use 2 and up (light/shadow_maps.h, voxelize/buffers.h).
 constexpr int kObjectStorage = 0;
-constexpr int kPassStorage = 2;
 
 /// Uniform block of the material that is drawn.
 constexpr int kMaterialBlock = 0;

@@ -1,5 +1,7 @@
 #include "gl/context.h"
 
+#include <fmt/format.h>
+
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
@@ -166,6 +168,15 @@ void Context::readInfo(const std::string& platform) {
     info_.maxComputeInvocations = glInt(GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS);
     info_.maxGeometryInvocations = glInt(GL_MAX_GEOMETRY_SHADER_INVOCATIONS);
     info_.maxDrawBuffers = glInt(GL_MAX_DRAW_BUFFERS);
+
+    // OpenGL 4.3 guarantees neither storage blocks nor images outside compute shaders.
+    const auto atLeast = [&](GLenum limit, const char* name, int needed) {
+        if (glInt(limit) < needed)
+            throw DeviceError(fmt::format("{}: {} is {}, {} are needed", info_.renderer, name, glInt(limit), needed));
+    };
+    atLeast(GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS, "GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS", 2);
+    atLeast(GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS, "GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS", 2);
+    atLeast(GL_MAX_FRAGMENT_IMAGE_UNIFORMS, "GL_MAX_FRAGMENT_IMAGE_UNIFORMS", 1);
 }
 
 void Context::listen() {

@@ -142,10 +142,4 @@ void DrawState::apply() const {
     glDisable(GL_STENCIL_TEST);
 }
 
-void drawFullscreen() {
-    const VertexArray empty;
-    empty.bind();
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-}
-
 }  // namespace voxcone::gl

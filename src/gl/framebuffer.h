@@ -80,7 +80,4 @@ struct DrawState {
     void apply() const;
 };
 
-/// Draws one triangle that covers the viewport, for full-screen passes: vertex shader `shared/fullscreen.vert`.
-void drawFullscreen();
-
 }  // namespace voxcone::gl

@@ -124,10 +124,17 @@ Crossing crossingAt(Cone cone, vec3 x, float height, float diameter, float lod) 
 }
 
 /// Optical depth of a wall whose filtered profile reaches behind the start of the cone: without it, a start within a voxel
-/// of a wall beside it would cross only a part of that wall.
+/// of a wall beside it would cross only a part of that wall. The part behind is as deep for a steep cone as for a flat one,
+/// so it is looked for along the tangent plane; but a cone along the normal never meets such a wall.
 float depthBehind(Cone cone, vec3 o, float offset) {
-    float half_ = 0.5 * u_headStart, rise = half_ * dot(cone.normal, cone.direction);
-    return u_headStart * crossingAt(cone, o - half_ * cone.direction, offset - rise, 1.0, 0.0).density;
+    vec3 along = cone.direction - cone.normal * dot(cone.normal, cone.direction);
+    float sine = length(along);
+    if (sine < 0.05) return 0.0;
+    along /= sine;
+    Cone level = cone;
+    level.direction = along;
+    float density = crossingAt(level, o - 0.5 * u_headStart * along, offset, 1.0, 0.0).density;
+    return u_headStart * density * min(1.0, 3.0 * sine);
 }
 #endif
 

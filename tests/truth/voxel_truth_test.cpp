@@ -118,8 +118,9 @@ TEST_F(VoxelTruth, L1SealedRoomStaysDark) {
                        errors.mean(), errors.worst);
             if (thickness < 1) continue;  // thinner walls are reported, not promised
             EXPECT_LE(errors.mean(), 0.01) << thickness << " " << orientation.name;
-            // The aim is 0.10. One case of these misses it, by a point beside the corner of two walls: 0.110.
-            EXPECT_LE(errors.worst, 0.115) << thickness << " " << orientation.name;
+            // The aim is 0.10. One case misses it, by a point beside the corner of two walls: 0.110.
+            const bool missed = thickness == 2 && std::string(orientation.name) == "0";
+            EXPECT_LE(errors.worst, missed ? 0.115 : 0.10) << thickness << " " << orientation.name;
         }
 }
 

@@ -23,33 +23,20 @@ glm::dquat quaternion(const glm::dvec4& v) {
 /// Value of `channel` at `time`, clamped to the first and last key (glTF 2.0, appendix C).
 glm::dvec4 evaluate(const AnimationChannel& channel, double time) {
     const bool spline = channel.interpolation == Interpolation::cubic_spline;
-    const auto& times = channel.times;
     auto value = [&](std::size_t key) { return glm::dvec4(channel.values[spline ? 3 * key + 1 : key]); };
-    if (time <= times.front()) return value(0);
-    if (time >= times.back()) return value(times.size() - 1);
-
-    const auto after = std::upper_bound(times.begin(), times.end(), time,
-                                        [](double t, float key) { return t < static_cast<double>(key); });
-    const auto next = static_cast<std::size_t>(after - times.begin());
-    const std::size_t key = next - 1;
-    if (channel.interpolation == Interpolation::step) return value(key);
-
-    const double span = static_cast<double>(times[next]) - static_cast<double>(times[key]);
-    const double t = (time - static_cast<double>(times[key])) / span;
+    const auto [key, t, span] = keyPosition(channel.times, time);
+    if (span == 0 || channel.interpolation == Interpolation::step) return value(key);
     if (spline) {
-        const glm::dvec4 outTangent = span * glm::dvec4(channel.values[3 * key + 2]);
-        const glm::dvec4 inTangent = span * glm::dvec4(channel.values[3 * next]);
-        const double t2 = t * t, t3 = t2 * t;
-        return (2 * t3 - 3 * t2 + 1) * value(key) + (t3 - 2 * t2 + t) * outTangent + (3 * t2 - 2 * t3) * value(next) +
-               (t3 - t2) * inTangent;
+        return hermite(value(key), span * glm::dvec4(channel.values[3 * key + 2]), value(key + 1),
+                       span * glm::dvec4(channel.values[3 * key + 3]), t);
     }
     if (channel.property == AnimatedProperty::rotation) {
         // glm::slerp takes the shorter way, as the specification asks.
         const glm::dquat q =
-            glm::slerp(glm::normalize(quaternion(value(key))), glm::normalize(quaternion(value(next))), t);
+            glm::slerp(glm::normalize(quaternion(value(key))), glm::normalize(quaternion(value(key + 1))), t);
         return {q.x, q.y, q.z, q.w};
     }
-    return (1 - t) * value(key) + t * value(next);
+    return (1 - t) * value(key) + t * value(key + 1);
 }
 
 glm::dvec3 transformDirection(const glm::dmat4& matrix, const glm::dvec3& direction, const glm::dvec3& fallback) {

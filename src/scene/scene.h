@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "scene/track.h"
+
 namespace voxcone {
 
 enum class Wrap : int { repeat, mirrored_repeat, clamp_to_edge };
@@ -134,14 +136,13 @@ struct Environment {
 };
 
 enum class AnimatedProperty : int { translation, rotation, scale };
-enum class Interpolation : int { linear, step, cubic_spline };
 
 /// One glTF animation channel with its sampler.
 struct AnimationChannel {
     int node = 0;
     AnimatedProperty property = AnimatedProperty::translation;
-    Interpolation interpolation = Interpolation::linear;
-    std::vector<float> times;       ///< seconds, strictly increasing
+    Interpolation interpolation = Interpolation::linear;  ///< linear, step or cubic_spline
+    std::vector<double> times;      ///< seconds, strictly increasing
     std::vector<glm::vec4> values;  ///< one a key, three (in-tangent, value, out-tangent) for cubic splines; xyz or xyzw
 };
 

@@ -1,11 +1,14 @@
 #include "capture/capture.h"
 
 #include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+#include <optional>
 
 #include "capture/output.h"
 #include "core/progress.h"
 #include "frame/renderer.h"
 #include "gl/context.h"
+#include "metric/temporal.h"
 
 namespace voxcone {
 
@@ -35,7 +38,17 @@ void warmUp(const CaptureScript& script, gl::Context& context) {
     tiny.light.shadowResolution = 128;
     tiny.light.bounces = std::min(tiny.light.bounces, 1);
     Renderer renderer(context, script.scene, tiny);
-    renderer.render(worldCamera(script.shots.front().camera, script.scene.worldMatrices()));
+    const Shot& shot = script.shots.front();
+    renderer.render(cameraAt(shot, script.scene, shot.timeOf(shot.firstFrame)));
+}
+
+/// What the temporal figure needs of the frame that was just rendered.
+TemporalFrame temporalFrame(Renderer& renderer, const Camera& camera, const Settings::Output& output) {
+    // Depth plays no part, so the near plane may lie anywhere.
+    const glm::dmat4 perspective = glm::infinitePerspective(glm::radians(camera.verticalFovDeg),
+                                                            static_cast<double>(output.width) / output.height, 1.0);
+    return {renderer.channel("indirect_diffuse"), renderer.channel("albedo"), renderer.channel("position"),
+            renderer.channel("normal"), perspective * viewMatrix(camera)};
 }
 
 }  // namespace
@@ -67,25 +80,42 @@ std::vector<fs::path> runCapture(const CaptureScript& script, gl::Context& conte
     Renderer renderer(context, script.scene, script.settings);
     Progress progress("capture " + script.scene.file.stem().string());
     int frames = 0, done = 0;
-    for (const Shot& shot : script.shots) frames += shot.frames;
+    for (const Shot& shot : script.shots) frames += shot.frameCount();
 
     for (const Shot& shot : script.shots) {
         json stats = statsHead("capture", script, shot);
         stats["device"] = describeDevice(context.info());
         stats["frames"] = json::array();
         renderer.invalidate();
-        for (int frame = 0; frame < shot.frames; ++frame) {
-            const double time = timeOf(script.scene, frame);
-            if (!script.scene.animations.empty()) renderer.setTime(time);
-            renderer.render(worldCamera(shot.camera, script.scene.worldMatrices(time)));
+        std::optional<TemporalFrame> before;
+        std::vector<TemporalChange> changes;
+        for (int frame = shot.firstFrame; frame <= shot.lastFrame; ++frame) {
+            const double time = shot.timeOf(frame);
+            const Camera camera = cameraAt(shot, script.scene, time);
+            if (moves(script.scene)) renderer.setTime(time);
+            renderer.render(camera);
             context.checkErrors();
-            stats["frames"].push_back(frameJson(renderer.stats(), frame, time));
+            json& frameStats = stats["frames"].emplace_back(frameJson(renderer.stats(), frame, time));
+            if (shot.temporal) {
+                TemporalFrame now = temporalFrame(renderer, camera, script.settings.output);
+                if (before) {
+                    const TemporalChange change = changes.emplace_back(temporalChange(*before, now));
+                    frameStats["temporal"] = {
+                        {"rms", change.rms}, {"mean", change.mean}, {"jump", change.jump()}, {"valid", change.valid}};
+                }
+                before = std::move(now);
+            }
             for (const std::string& channel : shot.channels) {
                 const Image image = renderer.channel(channel);
                 writer.channel(shot, channel, frame, image,
                                channel == "beauty" ? renderer.display() : pictureOf(channel, image, script.settings));
             }
             progress.update(static_cast<double>(++done) / frames);
+        }
+        if (shot.temporal) {
+            const TemporalFigure figure = temporalFigure(changes);
+            stats["temporal"] = {
+                {"F", figure.f}, {"worst_jump", figure.worstJump}, {"mean", figure.mean}, {"valid", figure.valid}};
         }
         writer.stats(shot, stats);
     }

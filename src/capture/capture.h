@@ -15,7 +15,8 @@ struct DeviceInfo;
 }  // namespace gl
 
 /// Renders every shot of `script` on the current context. Writes out/<shot>/<channel>.<frame>.exr and .png and
-/// out/<shot>/stats.json (times of the passes, memory, counts, settings, device), each whole or not at all. The first
+/// out/<shot>/stats.json (times of the passes, memory, counts, settings, device, temporal figures where the shot asks
+/// for them), each whole or not at all. Frame n is the same picture whatever frames were rendered before it. The first
 /// frame of a shot builds voxels and shadow maps anew, so that its times are those of a scene that has just been
 /// loaded; a tiny frame is drawn beforehand and thrown away, so that no shader is compiled within them. Returns the
 /// files in the order written. Throws InputError for files that cannot be written, DeviceError for limits.

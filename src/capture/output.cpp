@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/atomic_file.h"
+#include "metric/heatmap.h"
 
 namespace voxcone {
 
@@ -19,14 +20,16 @@ json array(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
 }
 
-fs::path fileOf(const fs::path& out, const Shot& shot, const std::string& channel, int frame, const char* extension) {
+fs::path fileOf(const fs::path& out, const Shot& shot, std::string channel, int frame, const char* extension) {
+    // Not every file system has colons in names.
+    std::replace(channel.begin(), channel.end(), ':', '_');
     return out / shot.name / fmt::format("{}.{:04}.{}", channel, frame, extension);
 }
 
 }  // namespace
 
-double timeOf(const Scene& scene, int frame) {
-    return scene.animations.empty() ? 0 : frame / kFramesPerSecond;
+bool moves(const Scene& scene) {
+    return !scene.animations.empty();
 }
 
 void ShotWriter::channel(const Shot& shot, const std::string& name, int frame, const Image& image,
@@ -42,7 +45,8 @@ void ShotWriter::stats(const Shot& shot, const json& stats) {
     writeTextFile(files_.back(), stats.dump(2) + "\n");
 }
 
-Image pictureOf(const std::string& channel, const Image& image, const Settings& settings) {
+Image pictureOf(const std::string& name, const Image& image, const Settings& settings) {
+    const std::string channel = baseChannel(name);
     Image out = image;
     if (channel == "normal" || channel == "voxel_normal") {
         for (std::size_t i = 0; i + 2 < out.data.size(); i += 3) {
@@ -67,7 +71,10 @@ Image pictureOf(const std::string& channel, const Image& image, const Settings& 
         }
     } else if (channel == "ao" || channel == "soft_shadow" || channel == "voxel_opacity") {
         for (float& v : out.data) v = linearFromSrgb(std::clamp(v, 0.0f, 1.0f));
-    } else if (channel != "albedo" && channel != "voxel_albedo") {
+    } else if (channel == "seam") {
+        for (float& v : out.data) v = std::abs(v);
+        return heatmap(out, 0.1);
+    } else if (channel != "albedo" && channel != "voxel_albedo" && channel != "cascade") {
         const auto exposure = static_cast<float>(std::exp2(settings.output.exposure));
         for (float& v : out.data) v = std::clamp(exposure * v, 0.0f, 1.0f);
     }
@@ -75,13 +82,15 @@ Image pictureOf(const std::string& channel, const Image& image, const Settings& 
 }
 
 json statsHead(const char* command, const CaptureScript& script, const Shot& shot) {
-    const Camera camera = worldCamera(shot.camera, script.scene.worldMatrices());
+    const Camera camera = cameraAt(shot, script.scene, shot.timeOf(shot.firstFrame));
     return {{"program", {{"name", "voxcone"}, {"version", VOXCONE_VERSION}, {"command", command}}},
             {"scene", describeScene(script.scene)},
             {"shot",
              {{"name", shot.name},
               {"channels", shot.channels},
-              {"frames", shot.frames},
+              {"frames", {{"first", shot.firstFrame}, {"last", shot.lastFrame}}},
+              {"fps", shot.fps},
+              {"start_s", shot.start},
               {"camera",
                {{"position", array(camera.position)},
                 {"target", array(camera.target)},

@@ -11,11 +11,8 @@
 
 namespace voxcone {
 
-/// Frames of a shot are this far apart in the scene's time.
-constexpr double kFramesPerSecond = 30;
-
-/// Time of a frame in seconds: 0 where nothing is animated.
-double timeOf(const Scene& scene, int frame);
+/// Whether `scene` is another at another time.
+bool moves(const Scene& scene);
 
 /// Writes out/<shot>/<channel>.<frame>.exr and .png and out/<shot>/stats.json, each whole or not at all, and remembers
 /// them.
@@ -36,7 +33,8 @@ class ShotWriter {
 };
 
 /// What a PNG of `channel` shows, linear for writePng: radiance is exposed and clipped, directions are n/2 + 1/2 and
-/// distances are scaled to the largest, both stored as they are (not encoded). `beauty` has the tone curve instead.
+/// distances are scaled to the largest, both stored as they are (not encoded); the absolute value of `seam` is a heat
+/// map that ends at 0.1. `beauty` has the tone curve instead.
 Image pictureOf(const std::string& channel, const Image& image, const Settings& settings);
 
 /// What every stats.json has: program and `command`, scene, shot, settings.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "capture/output.h"
 #include "core/log.h"
@@ -51,7 +52,7 @@ std::vector<fs::path> runReference(const CaptureScript& script, const fs::path& 
     std::optional<PathTracer> tracer;
     double tracerTime = -1;
     int frames = 0, done = 0;
-    for (const Shot& shot : script.shots) frames += shot.frames;
+    for (const Shot& shot : script.shots) frames += shot.frameCount();
 
     for (const Shot& shot : script.shots) {
         json stats = statsHead("reference", script, shot);
@@ -61,18 +62,19 @@ std::vector<fs::path> runReference(const CaptureScript& script, const fs::path& 
                 log::info("{}: {} is the renderer's alone, left out of the reference", shot.name, channel);
         }
         std::optional<ReferenceImages> images;
-        for (int frame = 0; frame < shot.frames; ++frame) {
-            const double time = timeOf(script.scene, frame);
-            if (!tracer || time != tracerTime) {
+        Camera camera;
+        for (int frame = shot.firstFrame; frame <= shot.lastFrame; ++frame) {
+            const double time = shot.timeOf(frame);
+            if (!tracer || (moves(script.scene) && time != tracerTime)) {
                 tracer.emplace(script.scene, time);
                 tracerTime = time;
                 images.reset();
             }
-            // Nothing moves: all frames are the first.
-            if (!images) {
+            const Camera cameraBefore = std::exchange(camera, cameraAt(shot, script.scene, time));
+            // Where nothing has moved, the picture is that of the frame before.
+            if (!images || camera.position != cameraBefore.position || camera.target != cameraBefore.target) {
                 const auto tell = [&](double part) { progress.update((done + part) / frames); };
-                images =
-                    tracer->render(worldCamera(shot.camera, script.scene.worldMatrices(time)), script.settings, tell);
+                images = tracer->render(camera, script.settings, tell);
                 // As the renderer's: exposed, before the tone curve.
                 const auto exposure = static_cast<float>(std::exp2(script.settings.output.exposure));
                 for (float& value : images->beauty.data) value *= exposure;

@@ -9,8 +9,8 @@
 namespace voxcone {
 
 /// Path traces every shot into files of the same names as runCapture's; stats.json holds the reference's own errors.
-/// Channels that only the renderer has (soft_shadow and voxel views) are left out with a message. Returns the files in
-/// the order written. Throws InputError for files that cannot be written.
+/// Channels that only the renderer has (soft_shadow, cascade, seam and voxel views) are left out with a message.
+/// Returns the files in the order written. Throws InputError for files that cannot be written.
 std::vector<std::filesystem::path> runReference(const CaptureScript& script, const std::filesystem::path& out);
 
 }  // namespace voxcone

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/constants.hpp>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <set>
 
+#include "capture/motion.h"
+#include "capture/strict_json.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/log.h"
@@ -24,169 +24,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double kLargest = 1e9;  // metres, watts: beyond that single precision has nothing left
-
-// ---- Reading JSON strictly
-
-/// "line 3, column 14" of the byte at `offset`.
-std::string placeOf(const std::string& text, std::size_t offset) {
-    const std::string_view before = std::string_view(text).substr(0, std::min(offset, text.size()));
-    const auto lines = std::count(before.begin(), before.end(), '\n');
-    const std::size_t lineStart = before.rfind('\n') == std::string_view::npos ? 0 : before.rfind('\n') + 1;
-    return fmt::format("line {}, column {}", lines + 1, before.size() - lineStart + 1);
-}
-
-/// The reason inside a message of nlohmann's parser, which wraps it in numbers and places of its own.
-std::string reasonOf(const json::exception& error) {
-    std::string text = error.what();
-    if (const auto at = text.find("syntax error"); at != std::string::npos) text = text.substr(at);
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    return text;
-}
-
-json parseStrictly(const std::string& text, const std::string& file) {
-    std::vector<std::set<std::string>> open;
-    std::string duplicate;
-    const auto watch = [&](int, json::parse_event_t event, json& parsed) {
-        if (event == json::parse_event_t::object_start) open.emplace_back();
-        if (event == json::parse_event_t::object_end) open.pop_back();
-        if (event == json::parse_event_t::key && !open.back().insert(parsed.get<std::string>()).second &&
-            duplicate.empty())
-            duplicate = parsed.get<std::string>();
-        return true;
-    };
-    json tree;
-    try {
-        tree = json::parse(text, watch);
-    } catch (const json::parse_error& error) {
-        throw InputError(file, placeOf(text, error.byte == 0 ? 0 : error.byte - 1),
-                         "not valid JSON: " + reasonOf(error));
-    } catch (const json::exception& error) {
-        throw InputError(file, "", "not valid JSON: " + reasonOf(error));
-    }
-    if (!duplicate.empty()) throw InputError(file, "", fmt::format("key \"{}\" stands twice in one object", duplicate));
-    return tree;
-}
-
-/// One object of the script. Every look-up is noted, so that `finish` can refuse what nobody asked for.
-class Object {
-  public:
-    Object(const json& tree, std::string file, std::string path)
-        : tree_(tree), file_(std::move(file)), path_(std::move(path)) {
-        if (!tree.is_object()) fail("", fmt::format("must be an object, is {}", kind(tree)));
-    }
-
-    std::string pathOf(const std::string& key) const {
-        return key.empty() ? path_ : path_.empty() ? key : path_ + "." + key;
-    }
-
-    [[noreturn]] void fail(const std::string& key, const std::string& reason) const {
-        throw InputError(file_, pathOf(key), reason);
-    }
-
-    /// The value of `key`, or null when it is absent.
-    const json* find(const std::string& key) {
-        known_.push_back(key);
-        const auto found = tree_.find(key);
-        return found == tree_.end() ? nullptr : &*found;
-    }
-
-    const json& require(const std::string& key) {
-        const json* value = find(key);
-        if (value == nullptr) fail(key, "is missing");
-        return *value;
-    }
-
-    std::string string(const std::string& key) {
-        const json& value = require(key);
-        if (!value.is_string()) fail(key, fmt::format("must be a string, is {}", kind(value)));
-        return value.get<std::string>();
-    }
-
-    double number(const std::string& key, double otherwise, double min, double max, const char* unit = "") {
-        const json* value = find(key);
-        if (value == nullptr) return otherwise;
-        if (!value->is_number()) fail(key, fmt::format("must be a number, is {}", kind(*value)));
-        const double number = value->get<double>();
-        if (!(number >= min && number <= max))
-            fail(key,
-                 fmt::format("{} is out of range: {} to {}{}{}", value->dump(), min, max, *unit == 0 ? "" : " ", unit));
-        return number;
-    }
-
-    double requiredNumber(const std::string& key, double min, double max, const char* unit = "") {
-        if (!tree_.contains(key)) fail(key, "is missing");
-        return number(key, 0, min, max, unit);
-    }
-
-    int integer(const std::string& key, int otherwise, int min, int max) {
-        const double value = number(key, otherwise, min, max);
-        if (value != std::floor(value)) fail(key, "must be a whole number");
-        return static_cast<int>(value);
-    }
-
-    glm::dvec3 vector(const std::string& key, double min, double max) {
-        const json& value = require(key);
-        if (!value.is_array() || value.size() != 3) fail(key, "must be an array of 3 numbers");
-        glm::dvec3 out;
-        for (glm::length_t i = 0; i < 3; ++i) {
-            const json& component = value[static_cast<std::size_t>(i)];
-            const std::string at = fmt::format("{}[{}]", key, i);
-            if (!component.is_number()) fail(at, fmt::format("must be a number, is {}", kind(component)));
-            out[i] = component.get<double>();
-            if (!(out[i] >= min && out[i] <= max))
-                fail(at, fmt::format("{} is out of range: {} to {}", component.dump(), min, max));
-        }
-        return out;
-    }
-
-    glm::dvec3 vectorOr(const std::string& key, const glm::dvec3& otherwise, double min, double max) {
-        return tree_.contains(key) ? vector(key, min, max) : (find(key), otherwise);
-    }
-
-    glm::dvec3 direction(const std::string& key) {
-        const glm::dvec3 out = vector(key, -kLargest, kLargest);
-        if (glm::length(out) < 1e-9) fail(key, "must not be zero");
-        return glm::normalize(out);
-    }
-
-    /// Refuses a key that belongs to something this version does not do.
-    void refuse(const std::string& key, const char* reason) const {
-        if (tree_.contains(key)) fail(key, reason);
-    }
-
-    /// Call last: throws for the first key that was never looked up.
-    void finish() const {
-        for (const auto& [key, value] : tree_.items()) {
-            if (std::find(known_.begin(), known_.end(), key) == known_.end())
-                fail(key, fmt::format("unknown key; did you mean \"{}\"? (there are {})", nearestWord(known_, key),
-                                      fmt::join(known_, ", ")));
-        }
-    }
-
-    const std::string& file() const { return file_; }
-
-    static std::string kind(const json& value) {
-        if (value.is_null()) return "null";
-        return fmt::format("{} {}", value.is_structured() ? "an" : "a", value.type_name());
-    }
-
-  private:
-    const json& tree_;
-    std::string file_, path_;
-    std::vector<std::string> known_;
-};
-
-// ---- The parts of a script
-
-/// Radiometric colour: three numbers, or one for grey.
-glm::vec3 readColor(Object& object, const std::string& key) {
-    if (const json* value = object.find(key); value != nullptr && value->is_number())
-        return glm::vec3(static_cast<float>(object.number(key, 0, 0, kLargest)));
-    return glm::vec3(object.vector(key, 0, kLargest));
-}
-
-Environment readEnvironment(Object object) {
+Environment readEnvironment(JsonObject object) {
     Environment environment;
     const bool image = object.find("image") != nullptr, color = object.find("color") != nullptr;
     if (image == color) object.fail("", "must have either \"image\" or \"color\"");
@@ -197,7 +35,7 @@ Environment readEnvironment(Object object) {
         environment = loadEnvironment(file);
         environment.color = glm::vec3(intensity);
     } else {
-        environment.color = readColor(object, "color") * intensity;
+        environment.color = object.color("color") * intensity;
     }
     environment.rotationDeg = object.number("rotation_deg", 0, -36000, 36000, "degrees");
     object.finish();
@@ -205,7 +43,7 @@ Environment readEnvironment(Object object) {
 }
 
 /// `up` without its part along `direction`; both unit. Fails when the two are parallel.
-glm::dvec3 perpendicular(const Object& object, const std::string& key, const glm::dvec3& up,
+glm::dvec3 perpendicular(const JsonObject& object, const std::string& key, const glm::dvec3& up,
                          const glm::dvec3& direction) {
     const glm::dvec3 rest = up - glm::dot(up, direction) * direction;
     if (glm::length(rest) < 1e-6 * std::max(1.0, glm::length(up)))
@@ -213,18 +51,12 @@ glm::dvec3 perpendicular(const Object& object, const std::string& key, const glm
     return glm::normalize(rest);
 }
 
-Light readLight(Object object) {
-    object.refuse("path", "animated lights are not supported");
+Light readLight(JsonObject object) {
     Light light;
-    const std::vector<std::string> types = {"directional", "point", "spot", "sphere", "rectangle"};
-    const std::string type = object.string("type");
-    const auto found = std::find(types.begin(), types.end(), type);
-    if (found == types.end())
-        object.fail("type", fmt::format("\"{}\" is no light; did you mean \"{}\"? (there are {})", type,
-                                        nearestWord(types, type), fmt::join(types, ", ")));
-    light.type = static_cast<LightType>(found - types.begin());
+    light.type =
+        static_cast<LightType>(object.word("type", {"directional", "point", "spot", "sphere", "rectangle"}, "light"));
     light.name = object.find("name") != nullptr ? object.string("name") : object.pathOf("");
-    light.intensity = readColor(object, "intensity");
+    light.intensity = object.color("intensity");
 
     const bool spot = light.type == LightType::spot, rectangle = light.type == LightType::rectangle;
     if (light.type != LightType::directional) light.position = object.vector("position", -kLargest, kLargest);
@@ -254,7 +86,7 @@ Light readLight(Object object) {
 }
 
 /// A camera of the scene by name or index.
-Camera sceneCamera(Object& object, const Scene& scene) {
+Camera sceneCamera(JsonObject& object, const Scene& scene) {
     const json& which = object.require("scene_camera");
     if (scene.cameras.empty()) object.fail("scene_camera", "the scene has no cameras");
     if (which.is_string()) {
@@ -271,28 +103,79 @@ Camera sceneCamera(Object& object, const Scene& scene) {
     return scene.cameras[static_cast<std::size_t>(object.integer("scene_camera", 0, 0, last))];
 }
 
-Camera readCamera(Object object, const Scene& scene) {
-    object.refuse("path", "camera paths are not supported; give position and target");
-    Camera camera;
+/// Camera and, where it has one, path of a shot.
+void readCamera(JsonObject object, const Scene& scene, Shot& shot) {
+    Camera& camera = shot.camera;
     if (object.find("scene_camera") != nullptr) {
         camera = sceneCamera(object, scene);
         object.finish();
-        return camera;
+        return;
     }
-    camera.position = object.vector("position", -kLargest, kLargest);
-    camera.target = object.vector("target", -kLargest, kLargest);
-    if (glm::length(camera.target - camera.position) < 1e-9) object.fail("target", "must differ from position");
     camera.up = object.vectorOr("up", glm::dvec3(0, 1, 0), -kLargest, kLargest);
-    camera.up = perpendicular(object, "up", camera.up, glm::normalize(camera.target - camera.position));
+    if (object.find("path") != nullptr) {
+        if (object.find("position") != nullptr || object.find("target") != nullptr)
+            object.fail("path", "stands instead of position and target");
+        if (glm::length(camera.up) < 1e-9) object.fail("up", "must not be zero");
+        shot.path = readCameraPath(object);
+    } else {
+        camera.position = object.vector("position", -kLargest, kLargest);
+        camera.target = object.vector("target", -kLargest, kLargest);
+        if (glm::length(camera.target - camera.position) < 1e-9) object.fail("target", "must differ from position");
+        camera.up = perpendicular(object, "up", camera.up, glm::normalize(camera.target - camera.position));
+    }
     camera.verticalFovDeg = object.number("fov_deg", camera.verticalFovDeg, 0.1, 179, "degrees");
     camera.near = object.number("near", 0, 0, kLargest, "m");
     camera.far = object.number("far", 0, 0, kLargest, "m");
     if (camera.far > 0 && camera.far <= camera.near) object.fail("far", "must be above near");
     object.finish();
-    return camera;
 }
 
-std::vector<std::string> readChannels(Object& object) {
+/// Refuses paths on which the camera has no direction or no horizon in some frame of the shot.
+void checkPath(const JsonObject& object, const Shot& shot) {
+    if (shot.path.empty()) return;
+    for (int frame = shot.firstFrame; frame <= shot.lastFrame; ++frame) {
+        const double time = shot.timeOf(frame);
+        const glm::dvec3 view = shot.path.target.at(time) - shot.path.position.at(time);
+        const std::string place = fmt::format("in frame {}, at {} s, the camera", frame, time);
+        if (glm::length(view) < 1e-9) object.fail("camera.path", place + " is at its target");
+        if (glm::length(glm::cross(glm::normalize(view), shot.camera.up)) < 1e-6 * glm::length(shot.camera.up))
+            object.fail("camera.path", place + " looks along its up direction");
+    }
+}
+
+/// "frames": their number, or the first and the last; "fps" and "start" say when they are.
+void readFrames(JsonObject& object, Shot& shot) {
+    constexpr int kMost = 100000;
+    const json* frames = object.find("frames");
+    if (frames != nullptr && frames->is_object()) {
+        JsonObject range(*frames, object.file(), object.pathOf("frames"));
+        range.require("first"), range.require("last");
+        shot.firstFrame = range.integer("first", 0, 0, kMost);
+        shot.lastFrame = range.integer("last", 0, shot.firstFrame, kMost);
+        range.finish();
+    } else {
+        shot.lastFrame = object.integer("frames", 1, 1, kMost) - 1;
+    }
+    shot.fps = object.number("fps", shot.fps, 1e-3, 1e6, "frames a second");
+    shot.start = object.number("start", shot.start, -kLargest, kLargest, "s");
+}
+
+/// A channel by its name; voxel views may have a level behind a colon, one digit or two.
+void checkChannel(const JsonObject& object, const std::string& at, const std::string& name) {
+    const std::string base = baseChannel(name);
+    const auto& names = channelNames();
+    if (std::find(names.begin(), names.end(), base) == names.end())
+        object.fail(at, fmt::format("\"{}\" is no channel; did you mean \"{}\"? (there are {})", base,
+                                    nearestWord(names, base), fmt::join(names, ", ")));
+    if (base == name) return;
+    if (!base.starts_with("voxel_")) object.fail(at, fmt::format("\"{}\" has no levels; voxel views have", base));
+    for (int level = 0; level < kVoxelViewLevels; ++level) {
+        if (name == fmt::format("{}:{}", base, level)) return;
+    }
+    object.fail(at, fmt::format("\"{}\" is no level: 0 to {}", name.substr(base.size() + 1), kVoxelViewLevels - 1));
+}
+
+std::vector<std::string> readChannels(JsonObject& object) {
     const json& list = object.require("channels");
     if (!list.is_array() || list.empty()) object.fail("channels", "must be an array with at least one channel");
     std::vector<std::string> channels;
@@ -300,10 +183,7 @@ std::vector<std::string> readChannels(Object& object) {
         const std::string at = fmt::format("channels[{}]", i);
         if (!list[i].is_string()) object.fail(at, "must be the name of a channel");
         const auto name = list[i].get<std::string>();
-        const auto& names = channelNames();
-        if (std::find(names.begin(), names.end(), name) == names.end())
-            object.fail(at, fmt::format("\"{}\" is no channel; did you mean \"{}\"? (there are {})", name,
-                                        nearestWord(names, name), fmt::join(names, ", ")));
+        checkChannel(object, at, name);
         if (std::find(channels.begin(), channels.end(), name) != channels.end())
             object.fail(at, fmt::format("\"{}\" stands there twice", name));
         channels.push_back(name);
@@ -311,7 +191,7 @@ std::vector<std::string> readChannels(Object& object) {
     return channels;
 }
 
-Shot readShot(Object object, const Scene& scene) {
+Shot readShot(JsonObject object, const Scene& scene) {
     Shot shot;
     shot.name = object.string("name");
     // The name becomes a folder.
@@ -321,16 +201,19 @@ Shot readShot(Object object, const Scene& scene) {
     });
     if (shot.name.empty() || shot.name.size() > 100 || shot.name[0] == '.' || !plain)
         object.fail("name", "must be 1 to 100 letters, digits, '_', '-' or '.', and not begin with '.'");
-    shot.camera = readCamera(Object(object.require("camera"), object.file(), object.pathOf("camera")), scene);
+    readCamera(JsonObject(object.require("camera"), object.file(), object.pathOf("camera")), scene, shot);
     shot.channels = readChannels(object);
-    shot.frames = object.integer("frames", 1, 1, 100000);
+    readFrames(object, shot);
+    shot.temporal = object.boolean("temporal", false);
     object.finish();
+    checkPath(object, shot);
+    if (shot.temporal && shot.firstFrame == shot.lastFrame) object.fail("temporal", "needs more than one frame");
     return shot;
 }
 
 CaptureScript readScript(const fs::path& file) {
     const json tree = parseStrictly(readTextFile(file), file.string());
-    Object object(tree, file.string(), "");
+    JsonObject object(tree, file.string(), "");
     object.require("version");
     if (const int version = object.integer("version", 0, 0, 1000000); version != 1)
         object.fail("version", fmt::format("{} is not supported, 1 is", version));
@@ -344,6 +227,7 @@ CaptureScript readScript(const fs::path& file) {
     if (!fs::exists(scene)) object.fail("scene", fmt::format("no such file: {}", scene.string()));
     const json* environment = object.find("environment");
     const json* lights = object.find("lights");
+    const json* objects = object.find("objects");
     const json& shots = object.require("shots");
     object.finish();
     if (lights != nullptr && !lights->is_array()) object.fail("lights", "must be an array");
@@ -351,13 +235,14 @@ CaptureScript readScript(const fs::path& file) {
 
     script.scene = loadGltf(scene);
     if (environment != nullptr)
-        script.scene.environment = readEnvironment(Object(*environment, file.string(), "environment"));
+        script.scene.environment = readEnvironment(JsonObject(*environment, file.string(), "environment"));
     for (std::size_t i = 0; lights != nullptr && i < lights->size(); ++i)
-        script.scene.lights.push_back(readLight(Object((*lights)[i], file.string(), fmt::format("lights[{}]", i))));
+        script.scene.lights.push_back(readLight(JsonObject((*lights)[i], file.string(), fmt::format("lights[{}]", i))));
+    if (objects != nullptr) readObjects(*objects, file.string(), script.scene);
     std::set<std::string> names;
     for (std::size_t i = 0; i < shots.size(); ++i) {
         const std::string path = fmt::format("shots[{}]", i);
-        script.shots.push_back(readShot(Object(shots[i], file.string(), path), script.scene));
+        script.shots.push_back(readShot(JsonObject(shots[i], file.string(), path), script.scene));
         if (!names.insert(script.shots.back().name).second)
             object.fail(path + ".name", fmt::format("\"{}\" is another shot's name already", script.shots.back().name));
     }
@@ -403,11 +288,27 @@ CaptureScript scriptForScene(const fs::path& file) {
 
 const std::vector<std::string>& channelNames() {
     static const std::vector<std::string> names = {
-        "beauty",       "direct",         "indirect_diffuse", "indirect_specular",
-        "ao",           "soft_shadow",    "emission",         "albedo",
-        "normal",       "depth",          "position",         "voxel_albedo",
-        "voxel_normal", "voxel_radiance", "voxel_opacity"};
+        "beauty",       "direct",       "indirect_diffuse", "indirect_specular",
+        "ao",           "soft_shadow",  "emission",         "albedo",
+        "normal",       "depth",        "position",         "cascade",
+        "seam",         "voxel_albedo", "voxel_normal",     "voxel_radiance",
+        "voxel_opacity"};
     return names;
+}
+
+std::string baseChannel(const std::string& channel) {
+    return channel.substr(0, channel.find(':'));
+}
+
+Camera cameraAt(const Shot& shot, const Scene& scene, double time) {
+    Camera camera = shot.camera;
+    if (!shot.path.empty()) {
+        camera.position = shot.path.position.at(time);
+        camera.target = shot.path.target.at(time);
+        const glm::dvec3 view = glm::normalize(camera.target - camera.position);
+        camera.up = glm::normalize(camera.up - glm::dot(camera.up, view) * view);
+    }
+    return worldCamera(camera, scene.worldMatrices(time));
 }
 
 CaptureScript loadCaptureScript(const fs::path& file) {

@@ -11,18 +11,42 @@
 namespace voxcone {
 
 /// Names of the picture channels in the order of the documentation: beauty, direct, indirect_diffuse,
-/// indirect_specular, ao, soft_shadow, emission, albedo, normal, depth, position, and voxel views.
+/// indirect_specular, ao, soft_shadow, emission, albedo, normal, depth, position, cascade, seam, and voxel views. The
+/// last may be followed by a level: "voxel_albedo:2".
 const std::vector<std::string>& channelNames();
 
+/// Levels that a voxel view can ask for: 0 to this − 1.
+constexpr int kVoxelViewLevels = 16;
+
+/// `channel` without its level.
+std::string baseChannel(const std::string& channel);
+
+/// World space positions over time, both tracks with the same times or empty.
+struct CameraPath {
+    Track position, target;
+    bool empty() const { return position.empty(); }
+};
+
+/// Frames of one camera. Frame n is the scene and the camera at `timeOf(n)`, whatever was rendered before it.
 struct Shot {
     std::string name;
     Camera camera;                      ///< world space, or bound to a node of the scene
+    CameraPath path;                    ///< where not empty: position and target of `camera`, whose `up` is as given
     std::vector<std::string> channels;  ///< at least one, all valid
-    int frames = 1;
+    int firstFrame = 0, lastFrame = 0;  ///< numbers of the frames, as in the names of their files
+    double fps = 24;                    ///< frames a second
+    double start = 0;                   ///< seconds of frame 0
+    bool temporal = false;              ///< measure the change from frame to frame
+
+    int frameCount() const { return lastFrame - firstFrame + 1; }
+    double timeOf(int frame) const { return start + frame / fps; }
 };
 
+/// Camera of `shot` at `time` seconds in world space; `up` is unit and perpendicular to the view where a path gives it.
+Camera cameraAt(const Shot& shot, const Scene& scene, double time);
+
 struct CaptureScript {
-    Scene scene;  ///< loaded, with the script's lights and environment added
+    Scene scene;  ///< loaded, with the script's lights, environment and motion added
     Settings settings;
     std::vector<Shot> shots;
 };

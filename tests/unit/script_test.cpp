@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -131,9 +132,12 @@ TEST_F(Script, GivesSceneLightsEnvironmentSettingsAndShots) {
     ASSERT_EQ(script.shots.size(), 3u);
     EXPECT_THAT(script.shots[0].channels, ElementsAre("beauty", "ao"));
     EXPECT_EQ(script.shots[0].camera.verticalFovDeg, 50);
-    EXPECT_EQ(script.shots[0].frames, 1);
+    EXPECT_EQ(script.shots[0].frameCount(), 1);
+    EXPECT_TRUE(script.shots[0].path.empty());
     EXPECT_EQ(script.shots[1].camera.name, "right");
-    EXPECT_EQ(script.shots[1].frames, 3);
+    EXPECT_EQ(script.shots[1].firstFrame, 0);
+    EXPECT_EQ(script.shots[1].lastFrame, 2);
+    EXPECT_EQ(script.shots[1].fps, 24);
     EXPECT_EQ(script.shots[2].camera.name, "left");
 }
 
@@ -221,9 +225,214 @@ TEST_F(Script, WrongTypesAndRangesAreNamed) {
     EXPECT_THAT(with("/settings/output/width", -5), StartsWith("script.json: settings.output.width: "));
 }
 
-TEST_F(Script, WhatLaterVersionsDoIsRefusedClearly) {
-    EXPECT_THAT(with("/shots/0/camera", {{"path", json::array()}}), HasSubstr("camera paths are not supported"));
-    EXPECT_THAT(with("/lights/0/path", json::array()), HasSubstr("animated lights are not supported"));
+const char* const kPath = R"({"up": [0, 2, 0], "fov_deg": 60, "path": [
+    {"time": 0, "position": [0, 0, 0], "target": [0, 0, -1]},
+    {"time": 1, "position": [1, 0, 0], "target": [1, 0, -1]},
+    {"time": 3, "position": [1, 0, 4], "target": [9, 0, 4]}]})";
+
+TEST_F(Script, FramesAreANumberOrARangeAtTimesOfTheirOwn) {
+    script_["shots"][0]["frames"] = {{"first", 7}, {"last", 9}};
+    script_["shots"][0]["fps"] = 10;
+    script_["shots"][0]["start"] = -0.5;
+    script_["shots"][0]["temporal"] = true;
+    const Shot shot = load().shots[0];
+    EXPECT_EQ(shot.firstFrame, 7);
+    EXPECT_EQ(shot.lastFrame, 9);
+    EXPECT_EQ(shot.frameCount(), 3);
+    EXPECT_TRUE(shot.temporal);
+    EXPECT_EQ(shot.timeOf(0), -0.5);
+    EXPECT_EQ(shot.timeOf(9), -0.5 + 9 / 10.0);
+
+    EXPECT_THAT(with("/shots/0/frames", {{"first", 3}, {"last", 2}}),
+                StartsWith("script.json: shots[0].frames.last: 2 is out of range: 3 to "));
+    EXPECT_EQ(with("/shots/0/frames", {{"first", 3}}), "script.json: shots[0].frames.last: is missing");
+    EXPECT_THAT(with("/shots/0/frames", {{"first", -1}, {"last", 2}}), HasSubstr("frames.first: -1 is out of range"));
+    EXPECT_THAT(with("/shots/0/frames", {{"first", 0}, {"last", 2}, {"step", 2}}),
+                HasSubstr("frames.step: unknown key"));
+    EXPECT_THAT(with("/shots/0/frames", "all"), HasSubstr("frames: must be a number, is a string"));
+    EXPECT_THAT(with("/shots/0/fps", 0), StartsWith("script.json: shots[0].fps: 0 is out of range"));
+    EXPECT_THAT(with("/shots/0/temporal", 1), HasSubstr("temporal: must be true or false, is a number"));
+    EXPECT_THAT(with("/shots/0/frames", 1), StartsWith("script.json: shots[0].temporal: needs more than one frame"));
+}
+
+TEST_F(Script, CameraPathsPassThroughTheirKeysAndStayAtTheirEnds) {
+    script_["shots"][0]["camera"] = json::parse(kPath);
+    for (const char* interpolation : {"catmull_rom", "linear"}) {
+        script_["shots"][0]["camera"]["interpolation"] = interpolation;
+        const CaptureScript script = load();
+        const Shot& shot = script.shots[0];
+        const auto at = [&](double time) { return cameraAt(shot, script.scene, time); };
+        EXPECT_EQ(at(0).position, glm::dvec3(0));
+        EXPECT_EQ(at(1).position, glm::dvec3(1, 0, 0));
+        EXPECT_EQ(at(1).target, glm::dvec3(1, 0, -1));
+        EXPECT_EQ(at(-5).position, glm::dvec3(0));
+        EXPECT_EQ(at(50).target, glm::dvec3(9, 0, 4));
+        EXPECT_EQ(at(2).verticalFovDeg, 60);
+        for (const double time : {0.0, 0.3, 1.7, 2.9}) {
+            const Camera camera = at(time);
+            EXPECT_NEAR(glm::length(camera.up), 1, 1e-12);
+            EXPECT_NEAR(glm::dot(camera.up, camera.target - camera.position), 0, 1e-12);
+        }
+    }
+    // Half way of the first piece: Hermite with the slopes 1 (one-sided) and (1 − 0)/(3 − 0); linear is at 0.5.
+    EXPECT_EQ(cameraAt(load().shots[0], load().scene, 0.5).position.x, 0.5);
+    script_["shots"][0]["camera"].erase("interpolation");
+    EXPECT_NEAR(cameraAt(load().shots[0], load().scene, 0.5).position.x, 0.5 + (1 - 1.0 / 3) / 8, 1e-12);
+}
+
+TEST_F(Script, WrongCameraPathsAreNamed) {
+    script_["shots"][0]["camera"] = json::parse(kPath);
+    const std::string path = "script.json: shots[0].camera.path";
+    EXPECT_EQ(with("/shots/0/camera/path", json::array()), path + ": must be an array of at least two keys");
+    EXPECT_EQ(with("/shots/0/camera/path", {script_["shots"][0]["camera"]["path"][0]}),
+              path + ": must be an array of at least two keys");
+    EXPECT_EQ(with("/shots/0/camera/path/2/time", 1),
+              path + "[2].time: 1 must be later than that of the key before, 1");
+    EXPECT_EQ(without("/shots/0/camera/path/1", "time"), path + "[1].time: is missing");
+    EXPECT_EQ(without("/shots/0/camera/path/1", "target"), path + "[1].target: is missing");
+    EXPECT_THAT(with("/shots/0/camera/path/1/fov", 3), StartsWith(path + "[1].fov: unknown key"));
+    EXPECT_THAT(with("/shots/0/camera/path/1/position", {0, 1e300, 0}),
+                StartsWith(path + "[1].position[1]: 1e+300 is out of range"));
+    EXPECT_THAT(with("/shots/0/camera/position", {0, 0, 0}), HasSubstr("stands instead of position and target"));
+    EXPECT_THAT(with("/shots/0/camera/interpolation", "catmul"), HasSubstr("did you mean \"catmull_rom\"?"));
+    EXPECT_EQ(with("/shots/0/camera/path/0/target", {0, 0, 0}),
+              path + ": in frame 0, at 0 s, the camera is at its target");
+    EXPECT_EQ(with("/shots/0/camera/path/0/target", {0, 1, 0}),
+              path + ": in frame 0, at 0 s, the camera looks along its up direction");
+    EXPECT_THAT(with("/shots/0/camera/up", {0, 0, 0}), HasSubstr("camera.up: must not be zero"));
+}
+
+/// The triangle's node is called "triangle" and turned by the file; its object of the script moves it.
+class ScriptObjects : public Script {
+  protected:
+    ScriptObjects() {
+        json scene = triangleScene(false, true);
+        scene["nodes"][0]["name"] = "triangle";
+        scene["nodes"][1]["name"] = scene["nodes"][2]["name"] = "twin";
+        // Times 0 and 1, then quaternions: identity and a half turn about y. Scales share them: (0,0,0), (1,0,1).
+        scene["buffers"].push_back({{"byteLength", 40},
+                                    {"uri",
+                                     "data:application/octet-stream;base64,"
+                                     "AAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAgD8AAAAAAAAAAA=="}});
+        scene["bufferViews"].push_back({{"buffer", 1}, {"byteLength", 40}});
+        scene["accessors"].push_back(
+            {{"bufferView", 1}, {"componentType", 5126}, {"count", 2}, {"type", "SCALAR"}, {"min", {0}}, {"max", {1}}});
+        scene["accessors"].push_back(
+            {{"bufferView", 1}, {"byteOffset", 8}, {"componentType", 5126}, {"count", 2}, {"type", "VEC4"}});
+        scene["animations"] = json::parse(R"([{"samplers": [{"input": 1, "output": 2}],
+            "channels": [{"sampler": 0, "target": {"node": 0, "path": "rotation"}}]}])");
+        write("scene.gltf", scene.dump());
+        script_["objects"] = json::parse(R"([{"node": "triangle", "path": [
+            {"time": 0, "translation": [0, 0, 0], "scale": [1, 1, 1]},
+            {"time": 1, "translation": [2, 0, 0], "scale": [3, 1, 1]},
+            {"time": 3, "translation": [2, 8, 0], "scale": [3, 1, 1]}]}])");
+    }
+
+    glm::dvec3 moved(const CaptureScript& script, double time, const glm::dvec3& point) {
+        return {script.scene.worldMatrices(time)[0] * glm::dvec4(point, 1)};
+    }
+};
+
+void expectNear(const glm::dvec3& a, const glm::dvec3& b) {
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], 1e-6) << i;
+}
+
+TEST_F(ScriptObjects, BecomeAnimationsBesideThoseOfTheFile) {
+    const CaptureScript script = load();
+    ASSERT_EQ(script.scene.animations.size(), 2u);
+    expectNear(moved(script, 0, {1, 0, 0}), {1, 0, 0});
+    // The file's half turn about y is kept: x goes to −x.
+    expectNear(moved(script, 1, {1, 0, 0}), {2 - 3, 0, 0});
+    expectNear(moved(script, 9, {0, 1, 0}), {2, 9, 0});
+    // As a track of the same keys, at any time.
+    const Track track{Interpolation::catmull_rom, {0, 1, 3}, {{0, 0, 0}, {2, 0, 0}, {2, 8, 0}}};
+    for (double time = 0; time < 3; time += 0.125) expectNear(moved(script, time, {0, 0, 0}), track.at(time));
+}
+
+TEST_F(ScriptObjects, ReplaceWhatTheFileAnimatesThere) {
+    script_["objects"][0]["interpolation"] = "linear";
+    script_["objects"][0]["path"] =
+        json::parse(R"([{"time": 0, "rotation": [0, 0, 0]}, {"time": 2, "rotation": [90, 0, 90]}])");
+    const CaptureScript script = load();
+    ASSERT_EQ(script.scene.animations.size(), 1u);
+    EXPECT_EQ(script.scene.animations[0].name, "script");
+    // About x first: y goes to z and stays; z goes to −y, then to x.
+    expectNear(moved(script, 2, {0, 1, 0}), {0, 0, 1});
+    expectNear(moved(script, 2, {0, 0, 1}), {1, 0, 0});
+    expectNear(moved(script, 2, {1, 0, 0}), {0, 1, 0});
+    expectNear(moved(script, 0, {1, 2, 3}), {1, 2, 3});
+    // The turn as a whole is one of 120 degrees about (1, 1, 1); half of it keeps that axis.
+    expectNear(moved(script, 1, {1, 1, 1}), {1, 1, 1});
+}
+
+TEST_F(ScriptObjects, RotationsAboutOneAxisGoOn) {
+    // 90 degrees a second, beyond a full turn: quaternions change their sign on the way.
+    json path = json::array();
+    for (int i = 0; i <= 6; ++i) path.push_back({{"time", i}, {"rotation", {0, 0, 90 * i}}});
+    for (const char* interpolation : {"linear", "catmull_rom"}) {
+        script_["objects"][0] = {{"node", "triangle"}, {"path", path}, {"interpolation", interpolation}};
+        const CaptureScript script = load();
+        for (int i = 0; i <= 12; ++i) {
+            // Splines are symmetric about the middles of all pieces but the two at the ends, which have one-sided
+            // slopes.
+            if (interpolation == std::string("catmull_rom") && (i == 1 || i == 11)) continue;
+            const double angle = glm::radians(45.0 * i);
+            expectNear(moved(script, i / 2.0, {1, 0, 0}), {std::cos(angle), std::sin(angle), 0});
+        }
+    }
+}
+
+TEST_F(ScriptObjects, AMatrixIsTakenApartUnlessItShears) {
+    json scene = json::parse(std::ifstream(folder_ / "scene.gltf"));
+    scene.erase("animations");
+    // Columns: y · 2, −x · 3, z · −4; origin (5, 6, 7).
+    scene["nodes"][0]["matrix"] = {0, 2, 0, 0, -3, 0, 0, 0, 0, 0, -4, 0, 5, 6, 7, 1};
+    write("scene.gltf", scene.dump());
+    script_["objects"][0]["path"] =
+        json::parse(R"([{"time": 0, "translation": [0, 0, 0]}, {"time": 1, "translation": [1, 0, 0]}])");
+    const CaptureScript script = load();
+    expectNear(moved(script, 1, {1, 1, 1}), {1 - 3, 2, -4});
+
+    scene["nodes"][0]["matrix"] = {1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    write("scene.gltf", scene.dump());
+    EXPECT_EQ(with("/version", 1), "script.json: objects[0].node: has a matrix with shear, which keys cannot replace");
+}
+
+TEST_F(ScriptObjects, WrongOnesAreNamed) {
+    EXPECT_EQ(with("/objects/0/node", "triange"),
+              "script.json: objects[0].node: the scene has no node \"triange\"; did you mean \"triangle\"?");
+    EXPECT_EQ(with("/objects/0/node", "twin"), "script.json: objects[0].node: the scene has several nodes \"twin\"");
+    EXPECT_EQ(with("/objects", json::object()), "script.json: objects: must be an array");
+    EXPECT_EQ(with("/objects", {script_["objects"][0], script_["objects"][0]}),
+              "script.json: objects[1].node: is moved by an object before");
+    EXPECT_EQ(without("/objects/0/path/1", "scale"),
+              "script.json: objects[0].path[1].scale: is missing; the keys before have it");
+    EXPECT_EQ(with("/objects/0/path/1/rotation", {0, 0, 0}),
+              "script.json: objects[0].path[1].rotation: is absent from the keys before; all must have the same");
+    EXPECT_THAT(with("/objects/0/path/1/scale", {1, 0, 1}), HasSubstr("path[1].scale[1]: 0 is out of range"));
+    EXPECT_EQ(with("/objects/0/path", json::parse(R"([{"time": 0}, {"time": 1}])")),
+              "script.json: objects[0].path: has keys without translation, rotation or scale");
+    EXPECT_EQ(
+        with("/objects/0/path",
+             json::parse(R"([{"time": 0, "rotation": [0, 10, 0]}, {"time": 1, "rotation": [0, 190, 0]}])")),
+        "script.json: objects[0].path[1].rotation: must differ by less than 180 degrees from that of the key before");
+    write("scene.gltf", triangleScene(false, true).dump());
+    EXPECT_EQ(with("/version", 1), "script.json: objects[0].node: the scene has no nodes with names");
+}
+
+TEST_F(Script, VoxelViewsHaveLevels) {
+    script_["shots"][0]["channels"] = {"cascade", "seam", "voxel_albedo", "voxel_albedo:0", "voxel_opacity:15"};
+    EXPECT_THAT(load().shots[0].channels,
+                ElementsAre("cascade", "seam", "voxel_albedo", "voxel_albedo:0", "voxel_opacity:15"));
+    EXPECT_EQ(baseChannel("voxel_albedo:2"), "voxel_albedo");
+    EXPECT_EQ(baseChannel("ao"), "ao");
+    for (const char* level : {"16", "-1", "02", "", "x", "1:2"})
+        EXPECT_THAT(with("/shots/0/channels/0", std::string("voxel_normal:") + level),
+                    AllOf(StartsWith("script.json: shots[0].channels[0]: "), HasSubstr("is no level: 0 to 15")))
+            << level;
+    EXPECT_THAT(with("/shots/0/channels/0", "ao:1"), HasSubstr("\"ao\" has no levels"));
+    EXPECT_THAT(with("/shots/0/channels/0", "voxel_albed:1"), HasSubstr("did you mean \"voxel_albedo\"?"));
+    EXPECT_THAT(with("/shots/0/channels/0", "voxel_opacity:15"), HasSubstr("twice"));
 }
 
 TEST_F(Script, BareSceneUsesItsCameraAndGetsASunOnlyWhenDark) {

@@ -181,6 +181,88 @@ TEST(Capture, OfABareSceneMakesUpACameraAndALight) {
     EXPECT_GT(*std::max_element(beauty.data.begin(), beauty.data.end()), 0.1f);
 }
 
+/// A cube that moves and turns, a camera on its way past it: frames `first` to `last`.
+json motionScript(int first, int last) {
+    json script = json::parse(R"({ "version": 1,
+        "lights": [{"type": "directional", "direction": [-0.3, -1, -0.45], "intensity": 2.5}],
+        "objects": [{"node": "cube", "path": [
+            {"time": 0, "translation": [0.95, 0, 0], "rotation": [0, 0, 0]},
+            {"time": 0.5, "translation": [0.4, 0.2, 0.6], "rotation": [0, 60, 0]},
+            {"time": 1, "translation": [0.95, 0, 1], "rotation": [20, 90, 0]}]}],
+        "shots": [{"name": "past", "channels": ["beauty", "indirect_diffuse", "depth"], "fps": 4, "temporal": true,
+            "camera": {"path": [
+                {"time": 0, "position": [-0.6, 3, 5.6], "target": [-0.1, 0.55, 0]},
+                {"time": 0.5, "position": [0.6, 2.5, 5.4], "target": [0, 0.55, 0]},
+                {"time": 1, "position": [1.6, 2, 4.6], "target": [0.1, 0.55, 0]}]}}]})");
+    script["scene"] = VOXCONE_SOURCE_DIR "/assets/scenes/basic.gltf";
+    script["shots"][0]["frames"] = {{"first", first}, {"last", last}};
+    if (first == last) script["shots"][0].erase("temporal");
+    return script;
+}
+
+class Motion : public testing::Test {
+  protected:
+    Outcome run(const std::string& command, const std::string& name, const json& script,
+                std::vector<std::string> more = {}) {
+        const fs::path file = folder_.path() / (name + ".json");
+        std::ofstream(file) << script.dump(1);
+        std::vector<std::string> arguments = {command, file.string(), "--out", path(name).string()};
+        arguments.insert(arguments.end(), kSmall.begin(), kSmall.end());
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return voxcone(arguments);
+    }
+    fs::path path(const std::string& name) const { return folder_.path() / name; }
+
+    TemporaryFolder folder_;
+};
+
+TEST_F(Motion, AFrameIsTheSameWithAndWithoutThoseBeforeIt) {
+    const Outcome all = run("capture", "all", motionScript(0, 3)), last = run("capture", "last", motionScript(3, 3));
+    ASSERT_EQ(all.status, 0) << all.err;
+    ASSERT_EQ(last.status, 0) << last.err;
+    EXPECT_EQ(filesOf(path("last")),
+              (std::set<std::string>{"past/beauty.0003.exr", "past/beauty.0003.png", "past/depth.0003.exr",
+                                     "past/depth.0003.png", "past/indirect_diffuse.0003.exr",
+                                     "past/indirect_diffuse.0003.png", "past/stats.json"}));
+    for (const char* channel : {"beauty", "indirect_diffuse", "depth"}) {
+        const std::string name = std::string("past/") + channel;
+        const Image third = readImage(path("all") / (name + ".0003.exr"));
+        EXPECT_EQ(third.data, readImage(path("last") / (name + ".0003.exr")).data) << channel;
+        EXPECT_NE(third.data, readImage(path("all") / (name + ".0002.exr")).data) << channel;
+    }
+
+    const json stats = json::parse(contentOf(path("all") / "past/stats.json"));
+    ASSERT_EQ(stats["frames"].size(), 4u);
+    EXPECT_EQ(stats["frames"][3]["frame"], 3);
+    EXPECT_EQ(stats["frames"][3]["time_s"], 0.75);
+    EXPECT_FALSE(stats["frames"][0].contains("temporal"));
+    double squared = 0, mean = 0, worst = 0;
+    for (std::size_t i = 1; i < 4; ++i) {
+        const json& change = stats["frames"][i]["temporal"];
+        EXPECT_GT(change["valid"].get<double>(), 0.2);
+        squared += std::pow(change["rms"].get<double>(), 2) / 3;
+        mean += change["mean"].get<double>() / 3;
+        worst = std::max(worst, change["jump"].get<double>());
+    }
+    EXPECT_NEAR(stats["temporal"]["F"].get<double>(), std::sqrt(squared) / mean, 1e-9);
+    EXPECT_EQ(stats["temporal"]["worst_jump"].get<double>(), worst);
+    EXPECT_FALSE(json::parse(contentOf(path("last") / "past/stats.json")).contains("temporal"));
+}
+
+// Geometry has one answer, so the two see the same places at the same times.
+TEST_F(Motion, TheReferenceRendersTheSameFrames) {
+    json script = motionScript(1, 2);
+    script["shots"][0]["channels"] = {"depth"};
+    ASSERT_EQ(run("capture", "capture", script).status, 0);
+    ASSERT_EQ(run("reference", "reference", script, {"--spp", "2"}).status, 0);
+    EXPECT_EQ(filesOf(path("capture")), filesOf(path("reference")));
+    const Outcome outcome = voxcone({"compare", path("reference").string(), path("capture").string(), "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const json pairs = json::parse(outcome.out)["pairs"];
+    ASSERT_EQ(pairs.size(), 2u);
+    for (const json& pair : pairs) EXPECT_LT(pair["metrics"]["relmse"].get<double>(), 0.01) << pair["name"];
+}
+
 TEST(Interrupted, ReferenceLeavesNoPartOfAFile) {
     const TemporaryFolder folder;
     const std::string out = (folder.path() / "out").string();

@@ -100,6 +100,20 @@ Bounds Scene::bounds(double time) const {
     return result;
 }
 
+std::vector<std::uint8_t> Scene::movingInstances() const {
+    std::vector<std::uint8_t> nodeMoves(nodes.size(), 0);
+    for (const Animation& animation : animations) {
+        for (const AnimationChannel& channel : animation.channels)
+            nodeMoves[static_cast<std::size_t>(channel.node)] = 1;
+    }
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (nodes[i].parent >= 0) nodeMoves[i] |= nodeMoves[static_cast<std::size_t>(nodes[i].parent)];
+    }
+    std::vector<std::uint8_t> moves;
+    for (const Instance& instance : instances) moves.push_back(nodeMoves[static_cast<std::size_t>(instance.node)]);
+    return moves;
+}
+
 std::size_t Scene::triangleCount() const {
     std::size_t count = 0;
     for (const Instance& instance : instances)

@@ -177,6 +177,9 @@ struct Scene {
     /// World bounds of all instances at `time`; empty for a scene without triangles.
     Bounds bounds(double time = 0) const;
 
+    /// One an instance: 1 where an animation drives its node or an ancestor of it.
+    std::vector<std::uint8_t> movingInstances() const;
+
     /// Triangles over all instances.
     std::size_t triangleCount() const;
 };

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "gl/alpha_mips.h"
 #include "gl/bindings.h"
+#include "scene/deform.h"
 
 namespace voxcone::gl {
 namespace {
@@ -37,6 +38,19 @@ struct GpuMaterial {
     glm::ivec4 texCoord, flags;
 };
 
+/// Appends the vertices of `mesh`, deformed ones in their place.
+void appendVertices(std::vector<Vertex>& vertices, const Mesh& mesh, const std::vector<glm::vec3>& positions,
+                    const std::vector<glm::vec3>& normals, const std::vector<glm::vec4>& tangents) {
+    for (std::size_t v = 0; v < positions.size(); ++v) {
+        const auto uv = [&](std::size_t set) {
+            return mesh.texCoords[set].empty() ? glm::vec2(0) : mesh.texCoords[set][v];
+        };
+        vertices.push_back({positions[v], normals.empty() ? glm::vec3(0) : normals[v],
+                            tangents.empty() ? glm::vec4(0) : tangents[v], uv(0), uv(1),
+                            mesh.colors.empty() ? glm::vec4(1) : mesh.colors[v]});
+    }
+}
+
 GLenum glWrap(Wrap wrap) {
     switch (wrap) {
         case Wrap::repeat:
@@ -60,17 +74,6 @@ std::array<Slot, 4> slots(const Material& material) {
              {&material.metallicRoughnessTexture, kMetallicRoughnessUnit, false},
              {&material.normalTexture, kNormalUnit, false},
              {&material.emissionTexture, kEmissionUnit, true}}};
-}
-
-Bounds transformed(const Bounds& box, const glm::dmat4& matrix) {
-    Bounds result;
-    if (box.empty()) return result;
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 p((corner & 1) ? box.max.x : box.min.x, (corner & 2) ? box.max.y : box.min.y,
-                           (corner & 4) ? box.max.z : box.min.z);
-        result.add(glm::dvec3(matrix * glm::dvec4(p, 1)));
-    }
-    return result;
 }
 
 /// `box` under `worldFromObject`, wider by more than the floats of a shader, which computes positions relative to
@@ -153,7 +156,8 @@ void requireStorage(std::size_t bytes, const char* what) {
 
 }  // namespace
 
-GpuScene::GpuScene(const Scene& scene, double time) : scene_(scene), moving_(scene.movingInstances()) {
+GpuScene::GpuScene(const Scene& scene, double time)
+    : scene_(scene), pose_(scene.pose(time)), moving_(scene.movingInstances()) {
     uploadGeometry();
     uploadMaterials();
     uploadTextures();
@@ -162,14 +166,28 @@ GpuScene::GpuScene(const Scene& scene, double time) : scene_(scene), moving_(sce
 }
 
 void GpuScene::uploadGeometry() {
-    std::size_t vertexCount = 0, indexCount = 0;
-    std::vector<char> used(scene_.meshes.size(), 0);
-    for (const Instance& instance : scene_.instances) used[static_cast<std::size_t>(instance.mesh)] = 1;
-    for (std::size_t i = 0; i < scene_.meshes.size(); ++i) {
-        if (!used[i]) continue;
-        vertexCount += scene_.meshes[i].positions.size();
-        indexCount += scene_.meshes[i].indices.size();
+    std::vector<char> used(scene_.meshes.size(), 0), rigid(scene_.meshes.size(), 0);
+    shapes_.resize(scene_.meshes.size());
+    for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+        const auto mesh = static_cast<std::size_t>(scene_.instances[i].mesh);
+        used[mesh] = 1;
+        if (pose_.deformations[i].rigid()) {
+            rigid[mesh] = 1;
+            shapeOf_.push_back(mesh);
+        } else {
+            shapeOf_.push_back(shapes_.size());
+            shapes_.emplace_back();
+            shapes_.back().mesh = static_cast<int>(mesh);
+            shapes_.back().instance = static_cast<int>(i);
+        }
     }
+    std::size_t vertexCount = 0, indexCount = 0;
+    for (std::size_t m = 0; m < scene_.meshes.size(); ++m) {
+        if (used[m]) indexCount += scene_.meshes[m].indices.size();
+        if (rigid[m]) vertexCount += scene_.meshes[m].positions.size();
+    }
+    for (std::size_t k = scene_.meshes.size(); k < shapes_.size(); ++k)
+        vertexCount += scene_.meshes[static_cast<std::size_t>(shapes_[k].mesh)].positions.size();
     if (vertexCount > 0x7fffffffu || indexCount > 0x7fffffffu) {
         throw DeviceError("the scene has more than 2^31 vertices or indices");
     }
@@ -178,22 +196,11 @@ void GpuScene::uploadGeometry() {
     vertices.reserve(vertexCount);
     indices_.reserve(indexCount);
     indexRanges_.resize(scene_.meshes.size());
-    shapes_.resize(scene_.meshes.size());
     for (std::size_t m = 0; m < scene_.meshes.size(); ++m) {
         const Mesh& mesh = scene_.meshes[m];
         IndexRange& range = indexRanges_[m];
-        Shape& shape = shapes_[m];
-        shape.mesh = static_cast<int>(m);
+        shapes_[m].mesh = static_cast<int>(m);
         if (!used[m]) continue;
-        shape.baseVertex = static_cast<std::int32_t>(vertices.size());
-        for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-            const auto uv = [&](std::size_t set) {
-                return mesh.texCoords[set].empty() ? glm::vec2(0) : mesh.texCoords[set][v];
-            };
-            vertices.push_back({mesh.positions[v], mesh.normals.empty() ? glm::vec3(0) : mesh.normals[v],
-                                mesh.tangents.empty() ? glm::vec4(0) : mesh.tangents[v], uv(0), uv(1),
-                                mesh.colors.empty() ? glm::vec4(1) : mesh.colors[v]});
-        }
         const std::vector<std::uint32_t> order = mortonOrder(mesh);
         for (const bool closed : {true, false}) {
             const std::size_t begin = indices_.size();
@@ -204,7 +211,18 @@ void GpuScene::uploadGeometry() {
             (closed ? range.firstClosed : range.firstOpen) = static_cast<std::uint32_t>(begin);
             (closed ? range.closedCount : range.openCount) = static_cast<std::uint32_t>(indices_.size() - begin);
         }
-        updateShapeBounds(shape, mesh.positions);
+        if (!rigid[m]) continue;
+        shapes_[m].baseVertex = static_cast<std::int32_t>(vertices.size());
+        appendVertices(vertices, mesh, mesh.positions, mesh.normals, mesh.tangents);
+        updateShapeBounds(shapes_[m], mesh.positions);
+    }
+    for (Shape& shape : shapes_) {
+        if (shape.instance < 0) continue;
+        const Mesh& mesh = scene_.meshes[static_cast<std::size_t>(shape.mesh)];
+        const DeformedVertices deformed = deform(mesh, pose_.deformations[static_cast<std::size_t>(shape.instance)]);
+        shape.baseVertex = static_cast<std::int32_t>(vertices.size());
+        appendVertices(vertices, mesh, deformed.positions, deformed.normals, deformed.tangents);
+        updateShapeBounds(shape, deformed.positions);
     }
     if (vertices.empty() || indices_.empty()) return;
     vertices_ = Buffer::of(vertices);
@@ -226,6 +244,17 @@ void GpuScene::uploadGeometry() {
     vertexArray_.integerAttribute(kObjectIndexLocation, objectIndices_, 1, GL_UNSIGNED_INT, sizeof(std::uint32_t), 0,
                                   1);
     vertexArray_.indexBuffer(indexBuffer_);
+}
+
+void GpuScene::uploadDeformed(Shape& shape) {
+    const Mesh& mesh = scene_.meshes[static_cast<std::size_t>(shape.mesh)];
+    const DeformedVertices deformed = deform(mesh, pose_.deformations[static_cast<std::size_t>(shape.instance)]);
+    std::vector<Vertex> vertices;
+    vertices.reserve(deformed.positions.size());
+    appendVertices(vertices, mesh, deformed.positions, deformed.normals, deformed.tangents);
+    vertices_.upload(vertices.data(), vertices.size() * sizeof(Vertex),
+                     static_cast<std::size_t>(shape.baseVertex) * sizeof(Vertex));
+    updateShapeBounds(shape, deformed.positions);
 }
 
 void GpuScene::updateShapeBounds(Shape& shape, const std::vector<glm::vec3>& positions) const {
@@ -321,23 +350,22 @@ void GpuScene::setOrigin(const glm::dvec3& origin) {
 
 void GpuScene::setTime(double time) {
     time_ = time;
-    const std::vector<glm::dmat4> before = std::exchange(nodeMatrices_, scene_.worldMatrices(time));
+    const Pose before = std::exchange(pose_, scene_.pose(time));
     // Without triangles there are no objects.
     const std::size_t count = indices_.empty() ? 0 : scene_.instances.size();
     const bool first = instanceBounds_.size() < count;
     instanceBounds_.resize(count);
     moved_.resize(count, 0);
     for (std::size_t i = 0; i < count; ++i) {
-        if (!first && instanceMatrix(i) == before[static_cast<std::size_t>(scene_.instances[i].node)]) continue;
-        instanceBounds_[i] = transformed(shapes_[shapeOf(i)].bounds, instanceMatrix(i));
+        Shape& shape = shapes_[shapeOf_[i]];
+        const bool deformed = pose_.deformations[i] != before.deformations[i];
+        if (!first && !deformed && pose_.instances[i] == before.instances[i]) continue;
+        if (deformed) uploadDeformed(shape);
+        instanceBounds_[i] = transformed(shape.bounds, pose_.instances[i]);
         moved_[i] = 1;
     }
     updateBatches();
     uploadObjects();
-}
-
-const glm::dmat4& GpuScene::instanceMatrix(std::size_t instance) const {
-    return nodeMatrices_[static_cast<std::size_t>(scene_.instances[instance].node)];
 }
 
 void GpuScene::updateBatches() {
@@ -346,7 +374,7 @@ void GpuScene::updateBatches() {
     using Key = std::tuple<std::size_t, bool, bool>;  // shape, moving, mirrored
     std::vector<Key> keys;
     for (std::size_t i = 0; i < count; ++i)
-        keys.emplace_back(shapeOf(i), moving_[i] != 0, glm::determinant(glm::dmat3(instanceMatrix(i))) < 0);
+        keys.emplace_back(shapeOf_[i], moving_[i] != 0, glm::determinant(glm::dmat3(pose_.instances[i])) < 0);
     objects_.resize(count);
     std::iota(objects_.begin(), objects_.end(), std::size_t{0});
     std::stable_sort(objects_.begin(), objects_.end(), [&](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
@@ -388,7 +416,7 @@ void GpuScene::uploadObjects() {
     if (objects_.empty()) return;
     std::vector<GpuObject> data;
     for (const std::size_t instance : objects_) {
-        glm::dmat4 world = instanceMatrix(instance);
+        glm::dmat4 world = pose_.instances[instance];
         world[3] -= glm::dvec4(origin_, 0);
         const double determinant = glm::determinant(glm::dmat3(world));
         // A singular transform flattens its object: its normals come out zero, which shaders take for degenerate.
@@ -495,12 +523,12 @@ std::uint64_t GpuScene::drawInside(Program& program, const Bounds& worldBox, con
     std::vector<std::size_t> ends;  // of the commands of each batch
     std::uint64_t indexCount = 0;
     for (const Batch& batch : batches_) {
-        const Shape& shape = shapes_[shapeOf(objects_[batch.firstObject])];
+        const Shape& shape = shapes_[shapeOf_[objects_[batch.firstObject]]];
         const std::vector<Bounds>& clusters = batch.closed ? shape.closedClusters : shape.openClusters;
         const bool taken = !filter || filter(batch);
         for (std::uint32_t k = 0; taken && k < batch.objectCount; ++k) {
             const std::uint32_t object = batch.firstObject + k;
-            const glm::dmat4& matrix = instanceMatrix(objects_[object]);
+            const glm::dmat4& matrix = pose_.instances[objects_[object]];
             if (!touch(reach(shape.bounds, matrix, origin_), worldBox)) continue;
             bool merge = false;  // with the cluster before, which is drawn as well
             for (std::uint32_t begin = 0; const Bounds& cluster : clusters) {

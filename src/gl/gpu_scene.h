@@ -45,12 +45,13 @@ class GpuScene {
 
     /// Recomputes the objects' transforms, T(−origin) · world in double, then rounds to float.
     void setOrigin(const glm::dvec3& origin);
+    /// Moves the objects, and uploads the vertices of those whose deformation changed.
     void setTime(double time);
 
     const Scene& scene() const { return scene_; }
     const glm::dvec3& origin() const { return origin_; }
     double time() const { return time_; }
-    const std::vector<glm::dmat4>& worldMatrices() const { return nodeMatrices_; }
+    const std::vector<glm::dmat4>& worldMatrices() const { return pose_.nodes; }  ///< of nodes
 
     const std::vector<Batch>& batches() const { return batches_; }
     std::size_t objectCount() const { return objects_.size(); }
@@ -99,9 +100,10 @@ class GpuScene {
     struct IndexRange {
         std::uint32_t firstClosed = 0, closedCount = 0, firstOpen = 0, openCount = 0;
     };
-    /// Vertices that instances draw, with boxes in object space.
+    /// Vertices that instances draw, with boxes in object space: those of a mesh, or of one deformed instance.
     struct Shape {
         int mesh = 0;
+        int instance = -1;  ///< index in Scene::instances for a deformed one
         std::int32_t baseVertex = 0;
         Bounds bounds;
         std::vector<Bounds> closedClusters, openClusters;
@@ -113,10 +115,7 @@ class GpuScene {
     void updateBatches();
     void uploadObjects();
     void updateShapeBounds(Shape& shape, const std::vector<glm::vec3>& positions) const;
-    std::size_t shapeOf(std::size_t instance) const {
-        return static_cast<std::size_t>(scene_.instances[instance].mesh);
-    }
-    const glm::dmat4& instanceMatrix(std::size_t instance) const;
+    void uploadDeformed(Shape& shape);
     void drawBatches(Program& program, const BatchFilter& filter, TextureFiltering filtering,
                      const std::function<void(const Batch&)>& issue) const;
 
@@ -124,7 +123,7 @@ class GpuScene {
     glm::dvec3 origin_{0};
     double time_ = 0;
     bool reversed_ = false;
-    std::vector<glm::dmat4> nodeMatrices_;
+    Pose pose_;
     std::vector<Batch> batches_;
     std::vector<std::size_t> objects_;  ///< object → index in Scene::instances
     // By index in Scene::instances: whether it may move, whether it did since takeMoved(), world boxes now and then.
@@ -132,7 +131,8 @@ class GpuScene {
     std::vector<Bounds> instanceBounds_, takenBounds_;
     std::size_t materialStride_ = 0;       ///< bytes from one material's block to the next
     std::vector<IndexRange> indexRanges_;  ///< by index in Scene::meshes
-    std::vector<Shape> shapes_;            ///< likewise
+    std::vector<Shape> shapes_;            ///< by index in Scene::meshes, then those of deformed instances
+    std::vector<std::size_t> shapeOf_;     ///< by index in Scene::instances
     std::vector<std::uint32_t> indices_;
     Buffer vertices_, indexBuffer_, objectIndices_, objectBuffer_, materialBuffer_;
     VertexArray vertexArray_;

@@ -6,11 +6,13 @@
 #include <cstring>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "core/check.h"
 #include "core/error.h"
 #include "gl/alpha_mips.h"
 #include "gl/bindings.h"
+#include "scene/deform.h"
 
 namespace voxcone::gl {
 namespace {
@@ -35,6 +37,19 @@ struct GpuMaterial {
     std::array<glm::vec4, 8> uvTransform;
     glm::ivec4 texCoord, flags;
 };
+
+/// Appends the vertices of `mesh`, deformed ones in their place.
+void appendVertices(std::vector<Vertex>& vertices, const Mesh& mesh, const std::vector<glm::vec3>& positions,
+                    const std::vector<glm::vec3>& normals, const std::vector<glm::vec4>& tangents) {
+    for (std::size_t v = 0; v < positions.size(); ++v) {
+        const auto uv = [&](std::size_t set) {
+            return mesh.texCoords[set].empty() ? glm::vec2(0) : mesh.texCoords[set][v];
+        };
+        vertices.push_back({positions[v], normals.empty() ? glm::vec3(0) : normals[v],
+                            tangents.empty() ? glm::vec4(0) : tangents[v], uv(0), uv(1),
+                            mesh.colors.empty() ? glm::vec4(1) : mesh.colors[v]});
+    }
+}
 
 GLenum glWrap(Wrap wrap) {
     switch (wrap) {
@@ -61,16 +76,72 @@ std::array<Slot, 4> slots(const Material& material) {
              {&material.emissionTexture, kEmissionUnit, true}}};
 }
 
-Bounds transformed(const Bounds& box, const glm::dmat4& matrix) {
+/// `box` under `worldFromObject`, wider by more than the floats of a shader, which computes positions relative to
+/// `origin`, can be off: a few roundings of the largest term in the sum that makes a coordinate.
+Bounds reach(const Bounds& box, const glm::dmat4& worldFromObject, const glm::dvec3& origin) {
+    constexpr double kRounding = 1.0 / (1 << 20);  // 16 roundings
+    const glm::dvec3 center = box.center(), half = 0.5 * box.size();
+    const glm::dvec3 farthest = glm::max(glm::abs(box.min), glm::abs(box.max));
     Bounds result;
-    if (box.empty()) return result;
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 p((corner & 1) ? box.max.x : box.min.x, (corner & 2) ? box.max.y : box.min.y,
-                           (corner & 4) ? box.max.z : box.min.z);
-        result.add(glm::dvec3(matrix * glm::dvec4(p, 1)));
+    for (int row = 0; row < 3; ++row) {
+        double middle = worldFromObject[3][row], radius = 0, magnitude = std::abs(middle - origin[row]);
+        for (int column = 0; column < 3; ++column) {
+            const double factor = worldFromObject[column][row];
+            middle += factor * center[column];
+            radius += std::abs(factor) * half[column];
+            magnitude += std::abs(factor) * farthest[column];
+        }
+        radius += kRounding * magnitude;
+        result.min[row] = middle - radius;
+        result.max[row] = middle + radius;
     }
     return result;
 }
+
+bool touch(const Bounds& a, const Bounds& b) {
+    return glm::all(glm::lessThanEqual(a.min, b.max)) && glm::all(glm::lessThanEqual(b.min, a.max));
+}
+
+/// The lowest 21 bits of `x`, each followed by two zeros.
+std::uint64_t spread(std::uint64_t x) {
+    x &= 0x1fffff;
+    x = (x | x << 32) & 0x1f00000000ffff;
+    x = (x | x << 16) & 0x1f0000ff0000ff;
+    x = (x | x << 8) & 0x100f00f00f00f00f;
+    x = (x | x << 4) & 0x10c30c30c30c30c3;
+    return (x | x << 2) & 0x1249249249249249;
+}
+
+/// Triangles of `mesh` in the order of their centroids' Morton codes, ties in the file's order.
+std::vector<std::uint32_t> mortonOrder(const Mesh& mesh) {
+    const std::size_t count = mesh.indices.size() / 3;
+    Bounds bounds;
+    for (const glm::vec3& position : mesh.positions) bounds.add(glm::dvec3(position));
+    const glm::dvec3 size = bounds.size();
+    const double extent = std::max({size.x, size.y, size.z});
+    const double cells = extent > 0 ? 0x1fffff / extent : 0;
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(count);
+    for (std::size_t t = 0; t < count; ++t) {
+        glm::dvec3 centroid(0);
+        for (std::size_t k = 0; k < 3; ++k) centroid += glm::dvec3(mesh.positions[mesh.indices[3 * t + k]]) / 3.0;
+        const glm::dvec3 cell = glm::max((centroid - bounds.min) * cells, 0.0);
+        keys[t] = {spread(static_cast<std::uint64_t>(cell.x)) | spread(static_cast<std::uint64_t>(cell.y)) << 1 |
+                       spread(static_cast<std::uint64_t>(cell.z)) << 2,
+                   static_cast<std::uint32_t>(t)};
+    }
+    std::sort(keys.begin(), keys.end());
+    std::vector<std::uint32_t> order;
+    order.reserve(count);
+    for (const auto& key : keys) order.push_back(key.second);
+    return order;
+}
+
+/// DrawElementsIndirectCommand of OpenGL 4.3, section 10.3.11.
+struct DrawCommand {
+    std::uint32_t indexCount, instanceCount, firstIndex;
+    std::int32_t baseVertex;
+    std::uint32_t baseInstance;
+};
 
 void requireStorage(std::size_t bytes, const char* what) {
     GLint64 limit = 0;
@@ -85,22 +156,38 @@ void requireStorage(std::size_t bytes, const char* what) {
 
 }  // namespace
 
-GpuScene::GpuScene(const Scene& scene, double time) : scene_(scene), time_(time) {
+GpuScene::GpuScene(const Scene& scene, double time)
+    : scene_(scene), pose_(scene.pose(time)), moving_(scene.movingInstances()) {
     uploadGeometry();
     uploadMaterials();
     uploadTextures();
     setTime(time);
+    takeMoved();
 }
 
 void GpuScene::uploadGeometry() {
-    std::size_t vertexCount = 0, indexCount = 0;
-    std::vector<char> used(scene_.meshes.size(), 0);
-    for (const Instance& instance : scene_.instances) used[static_cast<std::size_t>(instance.mesh)] = 1;
-    for (std::size_t i = 0; i < scene_.meshes.size(); ++i) {
-        if (!used[i]) continue;
-        vertexCount += scene_.meshes[i].positions.size();
-        indexCount += scene_.meshes[i].indices.size();
+    std::vector<char> used(scene_.meshes.size(), 0), rigid(scene_.meshes.size(), 0);
+    shapes_.resize(scene_.meshes.size());
+    for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+        const auto mesh = static_cast<std::size_t>(scene_.instances[i].mesh);
+        used[mesh] = 1;
+        if (pose_.deformations[i].rigid()) {
+            rigid[mesh] = 1;
+            shapeOf_.push_back(mesh);
+        } else {
+            shapeOf_.push_back(shapes_.size());
+            shapes_.emplace_back();
+            shapes_.back().mesh = static_cast<int>(mesh);
+            shapes_.back().instance = static_cast<int>(i);
+        }
     }
+    std::size_t vertexCount = 0, indexCount = 0;
+    for (std::size_t m = 0; m < scene_.meshes.size(); ++m) {
+        if (used[m]) indexCount += scene_.meshes[m].indices.size();
+        if (rigid[m]) vertexCount += scene_.meshes[m].positions.size();
+    }
+    for (std::size_t k = scene_.meshes.size(); k < shapes_.size(); ++k)
+        vertexCount += scene_.meshes[static_cast<std::size_t>(shapes_[k].mesh)].positions.size();
     if (vertexCount > 0x7fffffffu || indexCount > 0x7fffffffu) {
         throw DeviceError("the scene has more than 2^31 vertices or indices");
     }
@@ -108,32 +195,34 @@ void GpuScene::uploadGeometry() {
     std::vector<Vertex> vertices;
     vertices.reserve(vertexCount);
     indices_.reserve(indexCount);
-    meshBounds_.resize(scene_.meshes.size());
-    meshRanges_.resize(scene_.meshes.size());
+    indexRanges_.resize(scene_.meshes.size());
     for (std::size_t m = 0; m < scene_.meshes.size(); ++m) {
-        if (!used[m]) continue;
         const Mesh& mesh = scene_.meshes[m];
-        MeshRange& range = meshRanges_[m];
-        range.baseVertex = static_cast<std::int32_t>(vertices.size());
-        for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-            const auto uv = [&](std::size_t set) {
-                return mesh.texCoords[set].empty() ? glm::vec2(0) : mesh.texCoords[set][v];
-            };
-            vertices.push_back({mesh.positions[v], mesh.normals.empty() ? glm::vec3(0) : mesh.normals[v],
-                                mesh.tangents.empty() ? glm::vec4(0) : mesh.tangents[v], uv(0), uv(1),
-                                mesh.colors.empty() ? glm::vec4(1) : mesh.colors[v]});
-            meshBounds_[m].add(glm::dvec3(mesh.positions[v]));
-        }
-        // Closed triangles first, then open ones, each in the file's order.
+        IndexRange& range = indexRanges_[m];
+        shapes_[m].mesh = static_cast<int>(m);
+        if (!used[m]) continue;
+        const std::vector<std::uint32_t> order = mortonOrder(mesh);
         for (const bool closed : {true, false}) {
             const std::size_t begin = indices_.size();
-            for (std::size_t t = 0; t < mesh.indices.size() / 3; ++t) {
+            for (const std::size_t t : order) {
                 if ((!mesh.closed.empty() && mesh.closed[t] != 0) != closed) continue;
                 for (std::size_t k = 0; k < 3; ++k) indices_.push_back(mesh.indices[3 * t + k]);
             }
             (closed ? range.firstClosed : range.firstOpen) = static_cast<std::uint32_t>(begin);
             (closed ? range.closedCount : range.openCount) = static_cast<std::uint32_t>(indices_.size() - begin);
         }
+        if (!rigid[m]) continue;
+        shapes_[m].baseVertex = static_cast<std::int32_t>(vertices.size());
+        appendVertices(vertices, mesh, mesh.positions, mesh.normals, mesh.tangents);
+        updateShapeBounds(shapes_[m], mesh.positions);
+    }
+    for (Shape& shape : shapes_) {
+        if (shape.instance < 0) continue;
+        const Mesh& mesh = scene_.meshes[static_cast<std::size_t>(shape.mesh)];
+        const DeformedVertices deformed = deform(mesh, pose_.deformations[static_cast<std::size_t>(shape.instance)]);
+        shape.baseVertex = static_cast<std::int32_t>(vertices.size());
+        appendVertices(vertices, mesh, deformed.positions, deformed.normals, deformed.tangents);
+        updateShapeBounds(shape, deformed.positions);
     }
     if (vertices.empty() || indices_.empty()) return;
     vertices_ = Buffer::of(vertices);
@@ -155,6 +244,32 @@ void GpuScene::uploadGeometry() {
     vertexArray_.integerAttribute(kObjectIndexLocation, objectIndices_, 1, GL_UNSIGNED_INT, sizeof(std::uint32_t), 0,
                                   1);
     vertexArray_.indexBuffer(indexBuffer_);
+}
+
+void GpuScene::uploadDeformed(Shape& shape) {
+    const Mesh& mesh = scene_.meshes[static_cast<std::size_t>(shape.mesh)];
+    const DeformedVertices deformed = deform(mesh, pose_.deformations[static_cast<std::size_t>(shape.instance)]);
+    std::vector<Vertex> vertices;
+    vertices.reserve(deformed.positions.size());
+    appendVertices(vertices, mesh, deformed.positions, deformed.normals, deformed.tangents);
+    vertices_.upload(vertices.data(), vertices.size() * sizeof(Vertex),
+                     static_cast<std::size_t>(shape.baseVertex) * sizeof(Vertex));
+    updateShapeBounds(shape, deformed.positions);
+}
+
+void GpuScene::updateShapeBounds(Shape& shape, const std::vector<glm::vec3>& positions) const {
+    const IndexRange& range = indexRanges_[static_cast<std::size_t>(shape.mesh)];
+    shape.bounds = Bounds();
+    for (const glm::vec3& position : positions) shape.bounds.add(glm::dvec3(position));
+    const auto cut = [&](std::uint32_t first, std::uint32_t count) {
+        constexpr std::uint32_t kClusterIndices = 3 * kClusterTriangles;
+        std::vector<Bounds> clusters((count + kClusterIndices - 1) / kClusterIndices);
+        for (std::uint32_t i = 0; i < count; ++i)
+            clusters[i / kClusterIndices].add(glm::dvec3(positions[indices_[first + i]]));
+        return clusters;
+    };
+    shape.closedClusters = cut(range.firstClosed, range.closedCount);
+    shape.openClusters = cut(range.firstOpen, range.openCount);
 }
 
 void GpuScene::uploadMaterials() {
@@ -235,54 +350,56 @@ void GpuScene::setOrigin(const glm::dvec3& origin) {
 
 void GpuScene::setTime(double time) {
     time_ = time;
-    nodeMatrices_ = scene_.worldMatrices(time);
+    const Pose before = std::exchange(pose_, scene_.pose(time));
+    // Without triangles there are no objects.
+    const std::size_t count = indices_.empty() ? 0 : scene_.instances.size();
+    const bool first = instanceBounds_.size() < count;
+    instanceBounds_.resize(count);
+    moved_.resize(count, 0);
+    for (std::size_t i = 0; i < count; ++i) {
+        Shape& shape = shapes_[shapeOf_[i]];
+        const bool deformed = pose_.deformations[i] != before.deformations[i];
+        if (!first && !deformed && pose_.instances[i] == before.instances[i]) continue;
+        if (deformed) uploadDeformed(shape);
+        instanceBounds_[i] = transformed(shape.bounds, pose_.instances[i]);
+        moved_[i] = 1;
+    }
     updateBatches();
     uploadObjects();
 }
 
-const glm::dmat4& GpuScene::instanceMatrix(std::size_t instance) const {
-    return nodeMatrices_[static_cast<std::size_t>(scene_.instances[instance].node)];
-}
-
 void GpuScene::updateBatches() {
-    // Objects are sorted by mesh and mirroring, so that every batch draws consecutive ones.
-    const std::size_t count = indices_.empty() ? 0 : scene_.instances.size();
-    std::vector<char> mirrored(count);
-    for (std::size_t i = 0; i < count; ++i) mirrored[i] = glm::determinant(glm::dmat3(instanceMatrix(i))) < 0;
+    // Objects are sorted by what a batch has in common, so that every batch draws consecutive ones.
+    const std::size_t count = instanceBounds_.size();
+    using Key = std::tuple<std::size_t, bool, bool>;  // shape, moving, mirrored
+    std::vector<Key> keys;
+    for (std::size_t i = 0; i < count; ++i)
+        keys.emplace_back(shapeOf_[i], moving_[i] != 0, glm::determinant(glm::dmat3(pose_.instances[i])) < 0);
     objects_.resize(count);
     std::iota(objects_.begin(), objects_.end(), std::size_t{0});
-    std::stable_sort(objects_.begin(), objects_.end(), [&](std::size_t a, std::size_t b) {
-        return std::tuple(scene_.instances[a].mesh, mirrored[a]) < std::tuple(scene_.instances[b].mesh, mirrored[b]);
-    });
-
-    objectBounds_.clear();
-    for (const std::size_t instance : objects_) {
-        const auto mesh = static_cast<std::size_t>(scene_.instances[instance].mesh);
-        objectBounds_.push_back(transformed(meshBounds_[mesh], instanceMatrix(instance)));
-    }
+    std::stable_sort(objects_.begin(), objects_.end(), [&](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
 
     batches_.clear();
     for (std::size_t first = 0; first < count;) {
-        const int mesh = scene_.instances[objects_[first]].mesh;
+        const auto [shapeIndex, moving, mirrored] = keys[objects_[first]];
         std::size_t last = first + 1;
-        while (last < count && scene_.instances[objects_[last]].mesh == mesh &&
-               mirrored[objects_[last]] == mirrored[objects_[first]]) {
-            ++last;
-        }
-        const MeshRange& range = meshRanges_[static_cast<std::size_t>(mesh)];
+        while (last < count && keys[objects_[last]] == keys[objects_[first]]) ++last;
+        const Shape& shape = shapes_[shapeIndex];
+        const IndexRange& range = indexRanges_[static_cast<std::size_t>(shape.mesh)];
         for (const bool closed : {true, false}) {
             Batch batch;
-            batch.mesh = mesh;
-            batch.material = scene_.meshes[static_cast<std::size_t>(mesh)].material;
+            batch.mesh = shape.mesh;
+            batch.material = scene_.meshes[static_cast<std::size_t>(shape.mesh)].material;
             const Material& material = scene_.materials[static_cast<std::size_t>(batch.material)];
             batch.closed = closed;
-            batch.mirrored = mirrored[objects_[first]] != 0;
+            batch.mirrored = mirrored;
+            batch.moving = moving;
             batch.alphaMode = material.alphaMode;
             batch.doubleSided = material.doubleSided;
             batch.emits = material.unlit || material.emits();
             batch.firstIndex = closed ? range.firstClosed : range.firstOpen;
             batch.indexCount = closed ? range.closedCount : range.openCount;
-            batch.baseVertex = range.baseVertex;
+            batch.baseVertex = shape.baseVertex;
             batch.firstObject = static_cast<std::uint32_t>(first);
             batch.objectCount = static_cast<std::uint32_t>(last - first);
             if (batch.indexCount > 0) batches_.push_back(batch);
@@ -299,7 +416,7 @@ void GpuScene::uploadObjects() {
     if (objects_.empty()) return;
     std::vector<GpuObject> data;
     for (const std::size_t instance : objects_) {
-        glm::dmat4 world = instanceMatrix(instance);
+        glm::dmat4 world = pose_.instances[instance];
         world[3] -= glm::dvec4(origin_, 0);
         const double determinant = glm::determinant(glm::dmat3(world));
         // A singular transform flattens its object: its normals come out zero, which shaders take for degenerate.
@@ -323,7 +440,7 @@ void GpuScene::uploadObjects() {
 
 Bounds GpuScene::bounds() const {
     Bounds all;
-    for (const Bounds& box : objectBounds_) {
+    for (const Bounds& box : instanceBounds_) {
         if (box.empty()) continue;
         all.add(box.min);
         all.add(box.max);
@@ -346,12 +463,27 @@ bool GpuScene::anyAlphaTest() const {
                        [](const Batch& batch) { return batch.alphaMode != AlphaMode::opaque; });
 }
 
+bool GpuScene::anyMoving() const {
+    return std::any_of(batches_.begin(), batches_.end(), [](const Batch& batch) { return batch.moving; });
+}
+
+std::vector<Bounds> GpuScene::takeMoved() {
+    std::vector<Bounds> boxes;
+    for (std::size_t i = 0; i < moved_.size(); ++i) {
+        if (moved_[i] && !takenBounds_.empty()) boxes.insert(boxes.end(), {takenBounds_[i], instanceBounds_[i]});
+    }
+    std::fill(moved_.begin(), moved_.end(), std::uint8_t{0});
+    takenBounds_ = instanceBounds_;
+    return boxes;
+}
+
 void GpuScene::bindStorage() const {
     vertexArray_.bind();
     if (objectBuffer_) objectBuffer_.bindBase(GL_SHADER_STORAGE_BUFFER, kObjectStorage);
 }
 
-void GpuScene::draw(Program& program, const BatchFilter& filter, TextureFiltering filtering) const {
+void GpuScene::drawBatches(Program& program, const BatchFilter& filter, TextureFiltering filtering,
+                           const std::function<void(const Batch&)>& issue) const {
     program.use();
     bindStorage();
     int boundMaterial = -1;
@@ -370,18 +502,74 @@ void GpuScene::draw(Program& program, const BatchFilter& filter, TextureFilterin
         }
         program.set("u_closed", batch.closed);
         glFrontFace(batch.mirrored ? GL_CW : GL_CCW);
-        glDrawElementsInstancedBaseVertexBaseInstance(
-            GL_TRIANGLES, static_cast<GLsizei>(batch.indexCount), GL_UNSIGNED_INT,
-            reinterpret_cast<const void*>(std::size_t{batch.firstIndex} * sizeof(std::uint32_t)),
-            static_cast<GLsizei>(batch.objectCount), batch.baseVertex, batch.firstObject);
+        issue(batch);
     }
     glFrontFace(GL_CCW);
     for (const int unit : {kBaseColorUnit, kMetallicRoughnessUnit, kNormalUnit, kEmissionUnit}) Sampler::unbind(unit);
 }
 
+void GpuScene::draw(Program& program, const BatchFilter& filter, TextureFiltering filtering) const {
+    drawBatches(program, filter, filtering, [](const Batch& batch) {
+        glDrawElementsInstancedBaseVertexBaseInstance(
+            GL_TRIANGLES, static_cast<GLsizei>(batch.indexCount), GL_UNSIGNED_INT,
+            reinterpret_cast<const void*>(std::size_t{batch.firstIndex} * sizeof(std::uint32_t)),
+            static_cast<GLsizei>(batch.objectCount), batch.baseVertex, batch.firstObject);
+    });
+}
+
+std::uint64_t GpuScene::drawInside(Program& program, const Bounds& worldBox, const BatchFilter& filter,
+                                   TextureFiltering filtering) const {
+    std::vector<DrawCommand> commands;
+    std::vector<std::size_t> ends;  // of the commands of each batch
+    std::uint64_t indexCount = 0;
+    for (const Batch& batch : batches_) {
+        const Shape& shape = shapes_[shapeOf_[objects_[batch.firstObject]]];
+        const std::vector<Bounds>& clusters = batch.closed ? shape.closedClusters : shape.openClusters;
+        const bool taken = !filter || filter(batch);
+        for (std::uint32_t k = 0; taken && k < batch.objectCount; ++k) {
+            const std::uint32_t object = batch.firstObject + k;
+            const glm::dmat4& matrix = pose_.instances[objects_[object]];
+            if (!touch(reach(shape.bounds, matrix, origin_), worldBox)) continue;
+            bool merge = false;  // with the cluster before, which is drawn as well
+            for (std::uint32_t begin = 0; const Bounds& cluster : clusters) {
+                const std::uint32_t count = std::min(3 * kClusterTriangles, batch.indexCount - begin);
+                const bool inside = touch(reach(cluster, matrix, origin_), worldBox);
+                if (inside && merge) {
+                    commands.back().indexCount += count;
+                } else if (inside) {
+                    commands.push_back({count, 1, batch.firstIndex + begin, batch.baseVertex, object});
+                }
+                if (inside) indexCount += count;
+                merge = inside;
+                begin += count;
+            }
+        }
+        ends.push_back(commands.size());
+    }
+    if (commands.empty()) return 0;
+
+    const Buffer indirect = Buffer::of(commands, GL_STREAM_DRAW);
+    indirect.bind(GL_DRAW_INDIRECT_BUFFER);
+    const auto firstCommand = [&](const Batch& batch) {
+        const auto place = static_cast<std::size_t>(&batch - batches_.data());
+        return place == 0 ? std::size_t{0} : ends[place - 1];
+    };
+    const auto commandCount = [&](const Batch& batch) {
+        return ends[static_cast<std::size_t>(&batch - batches_.data())] - firstCommand(batch);
+    };
+    drawBatches(
+        program, [&](const Batch& batch) { return commandCount(batch) > 0; }, filtering,
+        [&](const Batch& batch) {
+            glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
+                                        reinterpret_cast<const void*>(firstCommand(batch) * sizeof(DrawCommand)),
+                                        static_cast<GLsizei>(commandCount(batch)), 0);
+        });
+    return indexCount / 3;
+}
+
 void GpuScene::reverseDrawOrder() {
     if (indices_.empty()) return;
-    for (const MeshRange& range : meshRanges_) {
+    for (const IndexRange& range : indexRanges_) {
         const auto reverseTriangles = [&](std::uint32_t first, std::uint32_t count) {
             for (std::uint32_t a = first, b = first + count; a + 3 < b; a += 3, b -= 3) {
                 std::swap_ranges(indices_.begin() + a, indices_.begin() + a + 3, indices_.begin() + (b - 3));
@@ -391,6 +579,8 @@ void GpuScene::reverseDrawOrder() {
         reverseTriangles(range.firstOpen, range.openCount);
     }
     indexBuffer_.upload(indices_.data(), indices_.size() * sizeof(std::uint32_t));
+    for (Shape& shape : shapes_)
+        updateShapeBounds(shape, scene_.meshes[static_cast<std::size_t>(shape.mesh)].positions);
     reversed_ = !reversed_;
     std::reverse(batches_.begin(), batches_.end());
 }

@@ -14,12 +14,14 @@
 
 namespace voxcone::gl {
 
-/// Triangles of one mesh that share material, closedness and the mirroring of their instances.
+/// Triangles of one mesh that share material and closedness, in instances that agree in mirroring and in whether they
+/// move.
 struct Batch {
     int mesh = 0;
     int material = 0;
     bool closed = false;    ///< all triangles belong to watertight, outward-oriented bodies (Mesh::closed)
     bool mirrored = false;  ///< the instances' transforms mirror: front faces wind clockwise in the window
+    bool moving = false;    ///< an animation may move or deform the instances (Scene::movingInstances)
     AlphaMode alphaMode = AlphaMode::opaque;
     bool doubleSided = false;
     bool emits = false;                            ///< the material emits (emission or unlit)
@@ -43,23 +45,30 @@ class GpuScene {
 
     /// Recomputes the objects' transforms, T(−origin) · world in double, then rounds to float.
     void setOrigin(const glm::dvec3& origin);
+    /// Moves the objects, and uploads the vertices of those whose deformation changed.
     void setTime(double time);
 
     const Scene& scene() const { return scene_; }
     const glm::dvec3& origin() const { return origin_; }
     double time() const { return time_; }
-    const std::vector<glm::dmat4>& worldMatrices() const { return nodeMatrices_; }
+    const std::vector<glm::dmat4>& worldMatrices() const { return pose_.nodes; }  ///< of nodes
 
     const std::vector<Batch>& batches() const { return batches_; }
     std::size_t objectCount() const { return objects_.size(); }
     const Instance& objectInstance(std::size_t object) const { return scene_.instances[objects_[object]]; }
     /// World-space box of an object at the current time (from the corners of its object-space box).
-    const Bounds& objectBounds(std::size_t object) const { return objectBounds_[object]; }
+    const Bounds& objectBounds(std::size_t object) const { return instanceBounds_[objects_[object]]; }
     Bounds bounds() const;  ///< of all objects
     bool empty() const { return batches_.empty(); }
     std::uint64_t triangleCount() const;  ///< over all instances
     bool anyEmission() const;
     bool anyAlphaTest() const;  ///< a batch with AlphaMode mask or blend
+    bool anyMoving() const;     ///< a batch that moves
+
+    /// World boxes that moving objects have left and entered since the last call, or since the upload: two for each
+    /// object whose matrix or vertices changed in any setTime() between, none for the others. The boxes hold the
+    /// objects as they were at that call and as they are now; what was between has gone.
+    std::vector<Bounds> takeMoved();
 
     /// Draws the batches that `filter` takes with `program` in use, in an order fixed by the scene: binds the
     /// material's textures and block, sets u_closed (shared/material.glsl) and the winding of front faces.
@@ -67,6 +76,14 @@ class GpuScene {
     /// explicit level is the device's own (llvmpipe widens it by the derivatives of the draw).
     void draw(Program& program, const BatchFilter& filter = {},
               TextureFiltering filtering = TextureFiltering::anisotropic) const;
+
+    /// The same for those triangles that may touch `worldBox`: clusters of neighbouring triangles (at most
+    /// kClusterTriangles) whose boxes do, by what the device's floats make of their positions. Number of triangles
+    /// drawn; a box that holds the scene draws all.
+    std::uint64_t drawInside(Program& program, const Bounds& worldBox, const BatchFilter& filter = {},
+                             TextureFiltering filtering = TextureFiltering::anisotropic) const;
+
+    static constexpr std::uint32_t kClusterTriangles = 64;
 
     /// Binds the object block and the vertex array; `draw` does so itself.
     void bindStorage() const;
@@ -78,29 +95,44 @@ class GpuScene {
     std::uint64_t textureBytes() const;
 
   private:
+    /// Triangles of a mesh in the index buffer: those of watertight bodies, then the others, each sorted along a curve
+    /// that fills space, so that kClusterTriangles in a row are neighbours.
+    struct IndexRange {
+        std::uint32_t firstClosed = 0, closedCount = 0, firstOpen = 0, openCount = 0;
+    };
+    /// Vertices that instances draw, with boxes in object space: those of a mesh, or of one deformed instance.
+    struct Shape {
+        int mesh = 0;
+        int instance = -1;  ///< index in Scene::instances for a deformed one
+        std::int32_t baseVertex = 0;
+        Bounds bounds;
+        std::vector<Bounds> closedClusters, openClusters;
+    };
+
     void uploadGeometry();
     void uploadMaterials();
     void uploadTextures();
     void updateBatches();
     void uploadObjects();
-    const glm::dmat4& instanceMatrix(std::size_t instance) const;
-
-    /// Where a mesh lies in the vertex and index buffers.
-    struct MeshRange {
-        std::int32_t baseVertex = 0;
-        std::uint32_t firstClosed = 0, closedCount = 0, firstOpen = 0, openCount = 0;
-    };
+    void updateShapeBounds(Shape& shape, const std::vector<glm::vec3>& positions) const;
+    void uploadDeformed(Shape& shape);
+    void drawBatches(Program& program, const BatchFilter& filter, TextureFiltering filtering,
+                     const std::function<void(const Batch&)>& issue) const;
 
     const Scene& scene_;
     glm::dvec3 origin_{0};
     double time_ = 0;
     bool reversed_ = false;
-    std::vector<glm::dmat4> nodeMatrices_;
+    Pose pose_;
     std::vector<Batch> batches_;
     std::vector<std::size_t> objects_;  ///< object → index in Scene::instances
-    std::vector<Bounds> objectBounds_, meshBounds_;
-    std::size_t materialStride_ = 0;     ///< bytes from one material's block to the next
-    std::vector<MeshRange> meshRanges_;  ///< by index in Scene::meshes
+    // By index in Scene::instances: whether it may move, whether it did since takeMoved(), world boxes now and then.
+    std::vector<std::uint8_t> moving_, moved_;
+    std::vector<Bounds> instanceBounds_, takenBounds_;
+    std::size_t materialStride_ = 0;       ///< bytes from one material's block to the next
+    std::vector<IndexRange> indexRanges_;  ///< by index in Scene::meshes
+    std::vector<Shape> shapes_;            ///< by index in Scene::meshes, then those of deformed instances
+    std::vector<std::size_t> shapeOf_;     ///< by index in Scene::instances
     std::vector<std::uint32_t> indices_;
     Buffer vertices_, indexBuffer_, objectIndices_, objectBuffer_, materialBuffer_;
     VertexArray vertexArray_;

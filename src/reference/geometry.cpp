@@ -96,7 +96,7 @@ glm::vec3 unitOr(const glm::vec3& v, const glm::vec3& fallback) {
 }  // namespace
 
 Geometry::Geometry(const Scene& scene, double time) : scene_(&scene) {
-    const std::vector<glm::dmat4> matrices = scene.worldMatrices(time);
+    const Pose pose = scene.pose(time);
     const Bounds bounds = scene.bounds(time);
     space_.origin = bounds.center();
     const glm::dvec3 half = 0.5 * bounds.size();
@@ -110,14 +110,20 @@ Geometry::Geometry(const Scene& scene, double time) : scene_(&scene) {
     // Robust: rays must not slip between neighbouring triangles of a sealed room.
     rtcSetSceneFlags(bvh_, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
     instances_.reserve(scene.instances.size());
-    for (const voxcone::Instance& placed : scene.instances) {
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+        const voxcone::Instance& placed = scene.instances[i];
         const Mesh& mesh = scene.meshes[static_cast<std::size_t>(placed.mesh)];
         const Material& material = scene.materials[static_cast<std::size_t>(mesh.material)];
-        const glm::dmat4& world = matrices[static_cast<std::size_t>(placed.node)];
+        const glm::dmat4& world = pose.instances[i];
+        if (!pose.deformations[i].rigid()) deformed_.push_back(deform(mesh, pose.deformations[i]));
+        const DeformedVertices* deformed = pose.deformations[i].rigid() ? nullptr : &deformed_.back();
+        const std::vector<glm::vec3>& objectPositions = deformed ? deformed->positions : mesh.positions;
 
         Instance instance;
         instance.owner = this;
         instance.mesh = &mesh;
+        instance.normals = deformed ? &deformed->normals : &mesh.normals;
+        instance.tangents = deformed ? &deformed->tangents : &mesh.tangents;
         instance.material = &material;
         const glm::dmat3 linear(world);
         const glm::dmat3 unscaled = linear * space_.scale;
@@ -135,8 +141,8 @@ Geometry::Geometry(const Scene& scene, double time) : scene_(&scene) {
             geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), mesh.indices.size() / 3));
         VOXCONE_CHECK(mesh.indices.empty() || (positions != nullptr && indices != nullptr), "Embree error {}",
                       static_cast<int>(rtcGetDeviceError(device_)));
-        for (std::size_t k = 0; k < mesh.positions.size(); ++k)
-            positions[k] = space_.fromWorld(glm::dvec3(world * glm::dvec4(glm::dvec3(mesh.positions[k]), 1)));
+        for (std::size_t k = 0; k < objectPositions.size(); ++k)
+            positions[k] = space_.fromWorld(glm::dvec3(world * glm::dvec4(glm::dvec3(objectPositions[k]), 1)));
         std::copy(mesh.indices.begin(), mesh.indices.end(), indices);
         instance.positions = positions;
         instances_.push_back(instance);  // never reallocates: Embree keeps its address
@@ -315,9 +321,9 @@ Shading Geometry::shade(const Hit& hit, const glm::vec3& toViewer) const {
 
     const float side = front ? 1.0f : -1.0f;
     shading.planeNormal = side * hit.normal;
-    glm::vec3 normal = unitOr(instance.normal * interpolate(mesh.normals, c, weights), hit.normal);
-    if (material.normalTexture.texture >= 0 && !mesh.tangents.empty()) {
-        const glm::vec4 tangent = interpolate(mesh.tangents, c, weights);
+    glm::vec3 normal = unitOr(instance.normal * interpolate(*instance.normals, c, weights), hit.normal);
+    if (material.normalTexture.texture >= 0 && !instance.tangents->empty()) {
+        const glm::vec4 tangent = interpolate(*instance.tangents, c, weights);
         glm::vec3 t = instance.direction * glm::vec3(tangent);
         t = unitOr(t - normal * glm::dot(normal, t), glm::vec3(0));
         const float handedness = (tangent.w < 0) != instance.mirrored ? -1.0f : 1.0f;

@@ -6,10 +6,12 @@
 #include <embree3/rtcore.h>
 
 #include <cstdint>
+#include <deque>
 #include <glm/glm.hpp>
 #include <vector>
 
 #include "scene/brdf.h"
+#include "scene/deform.h"
 #include "scene/scene.h"
 
 namespace voxcone {
@@ -81,9 +83,11 @@ class Geometry {
         const Geometry* owner = nullptr;
         const Mesh* mesh = nullptr;
         const Material* material = nullptr;
-        const glm::vec3* positions = nullptr;  ///< in tracing space; memory is Embree's
-        glm::mat3 direction{1};                ///< of tangents
-        glm::mat3 normal{1};                   ///< cofactors of the above, turned to keep the outside out
+        const glm::vec3* positions = nullptr;             ///< in tracing space; memory is Embree's
+        const std::vector<glm::vec3>* normals = nullptr;  ///< of the mesh, or deformed
+        const std::vector<glm::vec4>* tangents = nullptr;
+        glm::mat3 direction{1};  ///< of tangents
+        glm::mat3 normal{1};     ///< cofactors of the above, turned to keep the outside out
         bool mirrored = false;
     };
 
@@ -102,6 +106,7 @@ class Geometry {
     RTCDevice device_ = nullptr;
     RTCScene bvh_ = nullptr;
     std::vector<Instance> instances_;
+    std::deque<DeformedVertices> deformed_;  ///< of instances that are not rigid
 };
 
 }  // namespace voxcone

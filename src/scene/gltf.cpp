@@ -143,6 +143,11 @@ class Accessor {
                     component(p + c * componentBytes_, accessor_.componentType, accessor_.normalized);
         return value;
     }
+    /// Component `c` of element `i`, for matrices of floats.
+    float floatAt(Size i, Size c) const {
+        const std::uint8_t* p = element(i);
+        return p ? load<float>(p + c * sizeof(float)) : 0;
+    }
     std::uint32_t index(Size i) const {
         const std::uint8_t* p = element(i);
         return p ? unsignedInteger(p, accessor_.componentType) : 0;
@@ -178,6 +183,7 @@ class Loader {
         decodeImages();
         for (Size i = 0; i < model_.meshes.size(); ++i) addMesh(i);
         addNodes();
+        addSkins();
         for (Size i = 0; i < model_.animations.size(); ++i) addAnimation(i);
         if (scene_.materials.empty()) defaultMaterial();
         // Finite numbers multiply to infinite ones along a hierarchy; the renderer's floats must hold what comes out.
@@ -462,6 +468,11 @@ class Loader {
             Mesh mesh;
             mesh.name = in.name.empty() ? path : fmt::format("{} ({})", path, printable(in.name));
             mesh.material = primitive.material >= 0 ? primitive.material : defaultMaterial();
+            if (!in.weights.empty()) {
+                for (const double weight : in.weights) mesh.morphWeights.push_back(static_cast<float>(weight));
+            } else {
+                mesh.morphWeights.assign(primitive.targets.size(), 0);
+            }
             if (!fillMesh(mesh, primitive, indicesOf_[meshIndex][k], position->second, path)) {
                 log::warn("{}: {}: has no triangles", name_, path);
                 continue;
@@ -496,6 +507,7 @@ class Loader {
         if (normalAccessor >= 0) {
             fillNormals(mesh, Accessor(model_, buffers_, normalAccessor, name_), source, path);
         } else {
+            mesh.flatNormals = true;
             for (Size i = 0; i < source.size(); i += 3)
                 mesh.normals.insert(
                     mesh.normals.end(), 3,
@@ -504,6 +516,10 @@ class Loader {
         for (Size set = 0; set < 2; ++set) fillTexCoords(mesh, primitive, set, source, path);
         if (const int color = attribute("COLOR_0"); color >= 0)
             fillColors(mesh, Accessor(model_, buffers_, color, name_), source, path);
+        if (const int joints = attribute("JOINTS_0"); joints >= 0)
+            fillJoints(mesh, Accessor(model_, buffers_, joints, name_),
+                       Accessor(model_, buffers_, attribute("WEIGHTS_0"), name_), source, path);
+        fillMorphTargets(mesh, primitive, source, path);
         if (scene_.materials[sizeOf(mesh.material)].normalTexture.texture >= 0)
             fillTangents(mesh, normalAccessor >= 0 ? attribute("TANGENT") : -1, source, path);
         mesh.closed = closedTriangles(mesh.positions, mesh.indices);
@@ -591,6 +607,62 @@ class Loader {
             log::warn("{}: {}.attributes.COLOR_0: {} colours are not finite; taken as white", name_, path, repaired);
     }
 
+    void fillJoints(Mesh& mesh, const Accessor& joints, const Accessor& weights,
+                    const std::vector<std::uint32_t>& source, const std::string& path) {
+        Size weightless = 0;
+        LargestJoint largest;
+        for (const std::uint32_t i : source) {
+            const glm::vec4 joint = joints.at(i);
+            glm::vec4 weight = weights.at(i);
+            if (!finite(weight) || glm::any(glm::lessThan(weight, glm::vec4(0))))
+                fail(path + ".attributes.WEIGHTS_0", fmt::format("element {} is negative, NaN or infinite", i));
+            // In double: four large floats may have no sum in float.
+            double sum = 0;
+            for (int k = 0; k < 4; ++k) sum += static_cast<double>(weight[k]);
+            if (sum == 0) {
+                weight = glm::vec4(1, 0, 0, 0);
+                ++weightless;
+            } else {
+                weight = glm::vec4(glm::dvec4(weight) / sum);
+            }
+            mesh.joints.emplace_back();
+            for (int k = 0; k < 4; ++k) {
+                // What has no weight may name any joint.
+                if (weight[k] == 0) continue;
+                const auto index = static_cast<std::uint16_t>(joint[k]);
+                mesh.joints.back()[sizeOf(k)] = index;
+                if (index >= largest.joint) largest = {index, i, path};
+            }
+            mesh.jointWeights.push_back(weight);
+        }
+        largestJoint_[static_cast<int>(scene_.meshes.size())] = largest;
+        if (weightless > 0)
+            log::warn("{}: {}.attributes.WEIGHTS_0: {} vertices without weights follow their first joint", name_, path,
+                      weightless);
+    }
+
+    void fillMorphTargets(Mesh& mesh, const tinygltf::Primitive& primitive, const std::vector<std::uint32_t>& source,
+                          const std::string& path) {
+        for (Size k = 0; k < primitive.targets.size(); ++k) {
+            MorphTarget target;
+            for (const auto& [semantic, accessorIndex] : primitive.targets[k]) {
+                const std::string place = fmt::format("{}.targets[{}].{}", path, k, semantic);
+                std::vector<glm::vec3>& deltas = semantic == "POSITION" ? target.positions
+                                                 : semantic == "NORMAL" ? target.normals
+                                                                        : target.tangents;
+                spendCorners(source.size(), place);
+                const Accessor accessor(model_, buffers_, accessorIndex, name_);
+                deltas.reserve(source.size());
+                for (const std::uint32_t i : source) {
+                    const glm::vec4 delta = accessor.at(i);
+                    if (!finite(delta)) fail(place, fmt::format("element {} is NaN or infinite", i));
+                    deltas.emplace_back(delta);
+                }
+            }
+            mesh.morphTargets.push_back(std::move(target));
+        }
+    }
+
     void fillTangents(Mesh& mesh, int accessorIndex, const std::vector<std::uint32_t>& source,
                       const std::string& path) const {
         if (accessorIndex >= 0) {
@@ -655,14 +727,65 @@ class Loader {
         if (t.size() == 3) node.translation = {t[0], t[1], t[2]};
         if (r.size() == 4) node.rotation = glm::normalize(glm::dquat(r[3], r[0], r[1], r[2]));
         if (s.size() == 3) node.scale = {s[0], s[1], s[2]};
+        for (const double weight : in.weights) node.morphWeights.push_back(static_cast<float>(weight));
         scene_.nodes.push_back(node);
 
         if (in.mesh >= 0)
-            for (const int mesh : meshesOf_[sizeOf(in.mesh)]) scene_.instances.push_back({mesh, place});
+            for (const int mesh : meshesOf_[sizeOf(in.mesh)]) addInstance(mesh, place, in.skin, index);
         if (in.camera >= 0) addCamera(model_.cameras[sizeOf(in.camera)], place);
         if (const auto it = in.extensions.find("KHR_lights_punctual"); it != in.extensions.end())
             addLight(model_.lights[sizeOf(it->second.Get("light").GetNumberAsInt())], place);
         return place;
+    }
+
+    void addInstance(int meshIndex, int node, int skin, int fileNode) {
+        Instance instance{meshIndex, node, -1};
+        const Mesh& mesh = scene_.meshes[sizeOf(meshIndex)];
+        if (skin >= 0 && mesh.joints.empty()) {
+            ignored_.insert("skins of meshes without JOINTS_0");
+        } else if (skin >= 0) {
+            const LargestJoint& largest = largestJoint_.at(meshIndex);
+            const Size joints = model_.skins[sizeOf(skin)].joints.size();
+            if (largest.joint >= joints)
+                fail(largest.path + ".attributes.JOINTS_0",
+                     fmt::format("element {} names joint {}, but skins[{}] has {}", largest.vertex, largest.joint, skin,
+                                 joints));
+            const auto place = skinIndex_.try_emplace(skin, static_cast<int>(skinIndex_.size())).first;
+            instance.skin = place->second;
+        }
+        // Every deformed instance has vertices of its own.
+        if (instance.skin >= 0 || !mesh.morphTargets.empty())
+            spendCorners(mesh.positions.size(), fmt::format("nodes[{}].mesh", fileNode));
+        scene_.instances.push_back(instance);
+    }
+
+    /// The skins that instances use, once all nodes have their places.
+    void addSkins() {
+        scene_.skins.resize(skinIndex_.size());
+        for (const auto& [index, place] : skinIndex_) {
+            const tinygltf::Skin& in = model_.skins[sizeOf(index)];
+            Skin& skin = scene_.skins[sizeOf(place)];
+            skin.name = in.name;
+            for (Size k = 0; k < in.joints.size(); ++k) {
+                const int joint = nodeIndex_[sizeOf(in.joints[k])];
+                if (joint < 0)
+                    fail(fmt::format("skins[{}].joints[{}]", index, k),
+                         fmt::format("nodes[{}] is not in the scene that is shown", in.joints[k]));
+                skin.joints.push_back(joint);
+            }
+            skin.inverseBindMatrices.assign(skin.joints.size(), glm::dmat4(1));
+            if (in.inverseBindMatrices < 0) continue;
+            const Accessor matrices(model_, buffers_, in.inverseBindMatrices, name_);
+            for (Size k = 0; k < skin.joints.size(); ++k) {
+                for (int c = 0; c < 16; ++c) {
+                    const float value = matrices.floatAt(k, sizeOf(c));
+                    if (!std::isfinite(value))
+                        fail(fmt::format("skins[{}].inverseBindMatrices", index),
+                             fmt::format("matrix {} is not finite", k));
+                    skin.inverseBindMatrices[k][c / 4][c % 4] = static_cast<double>(value);
+                }
+            }
+        }
     }
 
     void addCamera(const tinygltf::Camera& in, int node) {
@@ -713,6 +836,8 @@ class Loader {
                 channel.property = AnimatedProperty::rotation;
             } else if (source.target_path == "scale") {
                 channel.property = AnimatedProperty::scale;
+            } else if (source.target_path == "weights") {
+                channel.property = AnimatedProperty::morph_weights;
             } else if (source.target_path != "translation") {
                 continue;
             }
@@ -742,7 +867,11 @@ class Loader {
             const bool key = !spline || i % 3 == 1;
             if (key && channel.property == AnimatedProperty::rotation && value == glm::vec4(0))
                 fail(path + ".output", fmt::format("value {} is a quaternion of length 0", i));
-            channel.values.push_back(value);
+            if (channel.property == AnimatedProperty::morph_weights) {
+                channel.weights.push_back(value.x);
+            } else {
+                channel.values.push_back(value);
+            }
         }
     }
 
@@ -761,7 +890,15 @@ class Loader {
     std::vector<std::array<int, 2>> uvSets_;  ///< by material: the file's set behind slots 0 and 1
     int defaultMaterial_ = -1;
     std::vector<std::vector<int>> meshesOf_;  ///< by mesh of the file
-    std::vector<int> nodeIndex_;              ///< by node of the file, −1 outside the scene
+    /// Of a mesh with joints: the largest joint that carries a vertex, and which vertex of which primitive.
+    struct LargestJoint {
+        Size joint = 0;
+        std::uint32_t vertex = 0;
+        std::string path;
+    };
+    std::map<int, LargestJoint> largestJoint_;  ///< by index in Scene::meshes
+    std::map<int, int> skinIndex_;              ///< from the file's skins to Scene::skins, for those in use
+    std::vector<int> nodeIndex_;                ///< by node of the file, −1 outside the scene
 };
 
 }  // namespace

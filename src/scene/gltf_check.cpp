@@ -222,7 +222,7 @@ class Checker {
         checkAsset();
         checkExtensions();
         for (const char* key : {"buffers", "bufferViews", "accessors", "images", "samplers", "textures", "materials",
-                                "meshes", "cameras", "nodes", "scenes", "animations"})
+                                "meshes", "cameras", "nodes", "scenes", "skins", "animations"})
             counts_[key] = root_.arraySize(key);
         checkBuffers();
         checkViews();
@@ -234,8 +234,8 @@ class Checker {
         checkLights();
         checkNodes();
         checkScenes();
+        checkSkins();
         checkAnimations();
-        if (root_.has("skins")) ignored_.insert("skins (meshes are shown in rest pose)");
         root_.keepExtensions({"KHR_lights_punctual"});
     }
 
@@ -494,7 +494,9 @@ class Checker {
         });
     }
 
-    void checkAttribute(Object& attributes, const std::string& semantic, std::uint64_t& vertexCount) {
+    /// `delta`: in a morph target, where tangents have no handedness.
+    void checkAttribute(Object& attributes, const std::string& semantic, std::uint64_t& vertexCount,
+                        bool delta = false) {
         const std::int64_t index = indexOf(attributes, semantic, "accessors");
         if (index < 0) return;
         const AccessorFacts& accessor = used(attributes, semantic, index);
@@ -509,8 +511,12 @@ class Checker {
             right = accessor.type == "VEC3" &&
                     (isFloat || (quantized_ && accessor.normalized && (c == kByte || c == kShort)));
         } else if (semantic == "TANGENT") {
-            right = accessor.type == "VEC4" &&
+            right = accessor.type == (delta ? "VEC3" : "VEC4") &&
                     (isFloat || (quantized_ && accessor.normalized && (c == kByte || c == kShort)));
+        } else if (semantic == "JOINTS_0") {
+            right = accessor.type == "VEC4" && !accessor.normalized && (c == kUByte || c == kUShort);
+        } else if (semantic == "WEIGHTS_0") {
+            right = accessor.type == "VEC4" && (isFloat || unsignedNorm);
         } else if (semantic.starts_with("TEXCOORD_")) {
             right = accessor.type == "VEC2" && (isFloat || unsignedNorm || (quantized_ && small));
         } else {
@@ -529,20 +535,36 @@ class Checker {
         root_.array("meshes", [&](Object& mesh, std::size_t) {
             mesh.name();
             mesh.require("primitives");
-            mesh.array("primitives", [&](Object& primitive, std::size_t) {
+            std::size_t targetCount = 0;
+            mesh.array("primitives", [&](Object& primitive, std::size_t place) {
                 primitive.require("attributes");
                 primitive.integer("mode", 4, 0, 6);
                 indexOf(primitive, "material", "materials");
-                if (primitive.has("targets")) ignored_.insert("morph targets (meshes are shown in rest pose)");
+                std::uint64_t vertexCount = 0;
                 primitive.object("attributes", [&](Object& attributes) {
-                    std::uint64_t vertexCount = 0;
                     checkAttribute(attributes, "POSITION", vertexCount);
                     std::vector<std::string> semantics;
                     for (const auto& item : attributes.raw().items()) semantics.push_back(item.key());
                     for (const std::string& semantic : semantics)
                         if (semantic == "NORMAL" || semantic == "TANGENT" || semantic == "COLOR_0" ||
-                            semantic.starts_with("TEXCOORD_"))
+                            semantic == "JOINTS_0" || semantic == "WEIGHTS_0" || semantic.starts_with("TEXCOORD_"))
                             checkAttribute(attributes, semantic, vertexCount);
+                    for (const auto& [one, other] : {std::pair("JOINTS_0", "WEIGHTS_0"), {"WEIGHTS_0", "JOINTS_0"}})
+                        if (attributes.has(one) && !attributes.has(other))
+                            attributes.refuse(one, fmt::format("stands without {}", other));
+                    if (attributes.has("JOINTS_1")) ignored_.insert("more than four joints a vertex");
+                });
+                const std::size_t targets = primitive.arraySize("targets");
+                if (place > 0 && targets != targetCount)
+                    primitive.refuse(
+                        "targets", fmt::format("are {} morph targets, but primitives[0] has {}", targets, targetCount));
+                targetCount = targets;
+                primitive.array("targets", [&](Object& target, std::size_t) {
+                    for (const auto& item : target.raw().items())
+                        if (item.key().starts_with("TEXCOORD_") || item.key().starts_with("COLOR_"))
+                            ignored_.insert("morph targets of texture coordinates and colours");
+                    for (const char* semantic : {"POSITION", "NORMAL", "TANGENT"})
+                        checkAttribute(target, semantic, vertexCount, true);
                 });
                 const std::int64_t indices = indexOf(primitive, "indices", "accessors");
                 if (indices < 0) return;
@@ -554,6 +576,39 @@ class Checker {
                                                  "scalars",
                                                  indices, accessor.normalized ? "normalized " : "", accessor.type, c));
             });
+            checkMorphWeights(mesh, targetCount);
+            morphTargets_.push_back(targetCount);
+        });
+    }
+
+    void checkMorphWeights(Object& object, std::size_t targets) {
+        const std::size_t weights = object.arraySize("weights");
+        object.numbers("weights", weights);
+        if (weights > 0 && weights != targets)
+            object.refuse("weights", fmt::format("are {} numbers for {} morph targets", weights, targets));
+    }
+
+    void checkSkins() {
+        root_.array("skins", [&](Object& skin, std::size_t) {
+            skin.name();
+            skin.require("joints");
+            const auto joints = skin.indices("joints", count("nodes"), "nodes");
+            if (joints.empty()) skin.refuse("joints", "is empty");
+            std::set<std::int64_t> seen;
+            for (std::size_t k = 0; k < joints.size(); ++k)
+                if (!seen.insert(joints[k]).second)
+                    skin.refuse(at("joints", k), fmt::format("nodes[{}] stands twice", joints[k]));
+            indexOf(skin, "skeleton", "nodes");
+            const std::int64_t index = indexOf(skin, "inverseBindMatrices", "accessors");
+            if (index < 0) return;
+            const AccessorFacts& matrices = used(skin, "inverseBindMatrices", index);
+            if (matrices.type != "MAT4" || matrices.componentType != kFloat)
+                skin.refuse("inverseBindMatrices", fmt::format("accessors[{}] is {} of component type {}, not float "
+                                                               "MAT4",
+                                                               index, matrices.type, matrices.componentType));
+            if (matrices.count < joints.size())
+                skin.refuse("inverseBindMatrices", fmt::format("accessors[{}] has {} matrices for {} joints", index,
+                                                               matrices.count, joints.size()));
         });
     }
 
@@ -617,7 +672,10 @@ class Checker {
         parents_.assign(count("nodes"), -1);
         root_.array("nodes", [&](Object& node, std::size_t i) {
             node.name();
-            indexOf(node, "mesh", "meshes");
+            const std::int64_t mesh = indexOf(node, "mesh", "meshes");
+            morphTargetsOfNode_.push_back(mesh < 0 ? 0 : morphTargets_[static_cast<std::size_t>(mesh)]);
+            if (mesh >= 0) checkMorphWeights(node, morphTargetsOfNode_.back());
+            indexOf(node, "skin", "skins");
             indexOf(node, "camera", "cameras");
             const bool matrix = !node.numbers("matrix", 16).empty();
             node.numbers("translation", 3);
@@ -710,26 +768,32 @@ class Checker {
                     target.require("path");
                     path = target.string("path", "");
                     node = indexOf(target, "node", "nodes");
-                    if (path != "translation" && path != "rotation" && path != "scale") {
+                    if (path != "translation" && path != "rotation" && path != "scale" && path != "weights") {
                         ignored_.insert(fmt::format("animation of '{}'", printable(path)));
                         return;
                     }
                     if (node < 0) return;
-                    if (matrixNodes_.count(static_cast<std::size_t>(node)))
+                    if (path != "weights" && matrixNodes_.count(static_cast<std::size_t>(node)))
                         target.refuse("node", fmt::format("nodes[{}] has a matrix and cannot be animated", node));
                     if (!targets.insert({node, path}).second)
                         target.refuse("path", fmt::format("{} of nodes[{}] is animated twice", path, node));
                 });
-                if (node < 0 || (path != "translation" && path != "rotation" && path != "scale")) return;
+                if (node < 0 || (path != "translation" && path != "rotation" && path != "scale" && path != "weights"))
+                    return;
                 const Sampler& sampler = samplers[static_cast<std::size_t>(index)];
                 const AccessorFacts& input = accessors_[static_cast<std::size_t>(sampler.input)];
                 const AccessorFacts& output = accessors_[static_cast<std::size_t>(sampler.output)];
-                const bool rotation = path == "rotation";
-                if (output.type != (rotation ? "VEC4" : "VEC3") ||
-                    !(output.componentType == kFloat || (rotation && output.normalized)))
+                const bool rotation = path == "rotation", weights = path == "weights";
+                const std::uint64_t numbers = weights ? morphTargetsOfNode_[static_cast<std::size_t>(node)] : 1;
+                if (numbers == 0) channel.refuse("target.node", fmt::format("nodes[{}] has no morph targets", node));
+                if (output.type != (rotation  ? "VEC4"
+                                    : weights ? "SCALAR"
+                                              : "VEC3") ||
+                    !(output.componentType == kFloat || ((rotation || weights) && output.normalized)))
                     channel.refuse("sampler",
                                    fmt::format("values in accessors[{}] do not fit {}", sampler.output, path));
-                const std::uint64_t expected = input.count * (sampler.interpolation == "CUBICSPLINE" ? 3 : 1);
+                // No overflow: counts of accessors are below 2^31, and there are not that many targets in a file.
+                const std::uint64_t expected = numbers * input.count * (sampler.interpolation == "CUBICSPLINE" ? 3 : 1);
                 if (output.count != expected)
                     channel.refuse("sampler", fmt::format("accessors[{}] has {} values, {} keys need {}",
                                                           sampler.output, output.count, input.count, expected));
@@ -753,6 +817,8 @@ class Checker {
     std::size_t lightCount_ = 0;
     std::vector<std::int64_t> parents_;
     std::set<std::size_t> matrixNodes_;
+    std::vector<std::size_t> morphTargets_;        ///< by mesh
+    std::vector<std::size_t> morphTargetsOfNode_;  ///< of its mesh
 };
 
 }  // namespace

@@ -12,8 +12,8 @@ namespace voxcone {
 using Ignored = std::set<std::string>;
 
 /// Checks every property that the loader uses: types, ranges, references, cycles, sizes of accessors within their
-/// views, of views within their buffers, of buffers within their data. What is not used (extras, skins, morph targets,
-/// unknown extensions) is removed from `file.document`, and integers written as 2.0 become integers, so that readers
+/// views, of views within their buffers, of buffers within their data. What is not used (extras, unknown
+/// extensions) is removed from `file.document`, and integers written as 2.0 become integers, so that readers
 /// behind this one meet checked values only. Throws InputError with the JSON path.
 void checkGltf(GltfFile& file, Ignored& ignored);
 

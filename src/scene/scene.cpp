@@ -5,12 +5,13 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "core/check.h"
+#include "scene/deform.h"
 
 namespace voxcone {
 
 namespace {
 
-struct Pose {
+struct LocalPose {
     glm::dvec3 translation, scale;
     glm::dquat rotation;
 };
@@ -20,23 +21,65 @@ glm::dquat quaternion(const glm::dvec4& v) {
     return {v.w, v.x, v.y, v.z};
 }
 
+/// What `channel` says at `position` for any property but rotation; `at` gives its values in the order of the file.
+template <class Value, class At>
+Value between(const AnimationChannel& channel, const KeyPosition& position, At&& at) {
+    const bool spline = channel.interpolation == Interpolation::cubic_spline;
+    const auto value = [&](std::size_t key) -> Value { return at(spline ? 3 * key + 1 : key); };
+    const auto [key, t, span] = position;
+    if (span == 0 || channel.interpolation == Interpolation::step) return value(key);
+    if (!spline) return (1 - t) * value(key) + t * value(key + 1);
+    const Value outTangent = span * at(3 * key + 2), inTangent = span * at(3 * key + 3);
+    return hermite(value(key), outTangent, value(key + 1), inTangent, t);
+}
+
 /// Value of `channel` at `time`, clamped to the first and last key (glTF 2.0, appendix C).
 glm::dvec4 evaluate(const AnimationChannel& channel, double time) {
-    const bool spline = channel.interpolation == Interpolation::cubic_spline;
-    auto value = [&](std::size_t key) { return glm::dvec4(channel.values[spline ? 3 * key + 1 : key]); };
-    const auto [key, t, span] = keyPosition(channel.times, time);
-    if (span == 0 || channel.interpolation == Interpolation::step) return value(key);
-    if (spline) {
-        return hermite(value(key), span * glm::dvec4(channel.values[3 * key + 2]), value(key + 1),
-                       span * glm::dvec4(channel.values[3 * key + 3]), t);
-    }
-    if (channel.property == AnimatedProperty::rotation) {
+    const KeyPosition position = keyPosition(channel.times, time);
+    if (channel.property == AnimatedProperty::rotation && channel.interpolation == Interpolation::linear &&
+        position.span > 0) {
+        const auto key = [&](std::size_t k) { return glm::normalize(quaternion(glm::dvec4(channel.values[k]))); };
         // glm::slerp takes the shorter way, as the specification asks.
-        const glm::dquat q =
-            glm::slerp(glm::normalize(quaternion(value(key))), glm::normalize(quaternion(value(key + 1))), t);
+        const glm::dquat q = glm::slerp(key(position.index), key(position.index + 1), position.t);
         return {q.x, q.y, q.z, q.w};
     }
-    return (1 - t) * value(key) + t * value(key + 1);
+    return between<glm::dvec4>(channel, position, [&](std::size_t i) { return glm::dvec4(channel.values[i]); });
+}
+
+/// Sets the weights of a mesh with as many targets as `channel` has weights.
+void evaluateWeights(const AnimationChannel& channel, double time, std::vector<float>& weights) {
+    const std::size_t values = channel.times.size() * (channel.interpolation == Interpolation::cubic_spline ? 3 : 1);
+    const std::size_t targets = channel.weights.size() / values;
+    VOXCONE_CHECK(targets == weights.size(), "{} animated weights for {} targets", targets, weights.size());
+    const KeyPosition position = keyPosition(channel.times, time);
+    for (std::size_t k = 0; k < targets; ++k)
+        weights[k] = static_cast<float>(between<double>(
+            channel, position, [&](std::size_t i) { return static_cast<double>(channel.weights[i * targets + k]); }));
+}
+
+/// Boxes of the meshes' positions.
+std::vector<Bounds> boxesOf(const std::vector<Mesh>& meshes) {
+    std::vector<Bounds> boxes(meshes.size());
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        for (const glm::vec3& p : meshes[i].positions) boxes[i].add(glm::dvec3(p));
+    }
+    return boxes;
+}
+
+/// Grows `box` by an instance. `meshBox` holds the mesh's positions.
+void addInstance(Bounds& box, const Mesh& mesh, const Bounds& meshBox, const glm::dmat4& matrix,
+                 const Deformation& deformation) {
+    std::vector<glm::vec3> deformed;
+    if (!deformation.rigid()) {
+        deformed = deform(mesh, deformation).positions;
+    } else if (!box.empty()) {
+        // Most often the instance's box lies inside already.
+        const Bounds reach = transformed(meshBox, matrix);
+        if (glm::all(glm::lessThanEqual(box.min, reach.min)) && glm::all(glm::lessThanEqual(reach.max, box.max)))
+            return;
+    }
+    const std::vector<glm::vec3>& positions = deformation.rigid() ? mesh.positions : deformed;
+    for (const std::uint32_t index : mesh.indices) box.add(glm::dvec3(matrix * glm::dvec4(positions[index], 1)));
 }
 
 glm::dvec3 transformDirection(const glm::dmat4& matrix, const glm::dvec3& direction, const glm::dvec3& fallback) {
@@ -53,12 +96,13 @@ double lengthScale(const glm::dmat4& matrix) {
 }  // namespace
 
 std::vector<glm::dmat4> Scene::worldMatrices(double time) const {
-    std::vector<Pose> poses(nodes.size());
+    std::vector<LocalPose> poses(nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) poses[i] = {nodes[i].translation, nodes[i].scale, nodes[i].rotation};
     for (const Animation& animation : animations) {
         for (const AnimationChannel& channel : animation.channels) {
+            if (channel.property == AnimatedProperty::morph_weights) continue;  // for pose()
             const glm::dvec4 value = evaluate(channel, time);
-            Pose& pose = poses[static_cast<std::size_t>(channel.node)];
+            LocalPose& pose = poses[static_cast<std::size_t>(channel.node)];
             switch (channel.property) {
                 case AnimatedProperty::translation:
                     pose.translation = glm::dvec3(value);
@@ -69,6 +113,8 @@ std::vector<glm::dmat4> Scene::worldMatrices(double time) const {
                 case AnimatedProperty::rotation:
                     // A spline through unit quaternions may pass through zero, which is no rotation at all.
                     if (glm::dot(value, value) > 0) pose.rotation = glm::normalize(quaternion(value));
+                    break;
+                case AnimatedProperty::morph_weights:
                     break;
             }
         }
@@ -88,14 +134,128 @@ std::vector<glm::dmat4> Scene::worldMatrices(double time) const {
     return world;
 }
 
-Bounds Scene::bounds(double time) const {
-    const std::vector<glm::dmat4> world = worldMatrices(time);
-    Bounds result;
+Pose Scene::pose(double time) const {
+    Pose pose;
+    pose.nodes = worldMatrices(time);
+    std::vector<const AnimationChannel*> weightChannels(nodes.size(), nullptr);
+    for (const Animation& animation : animations) {
+        for (const AnimationChannel& channel : animation.channels) {
+            if (channel.property == AnimatedProperty::morph_weights)
+                weightChannels[static_cast<std::size_t>(channel.node)] = &channel;
+        }
+    }
     for (const Instance& instance : instances) {
         const Mesh& mesh = meshes[static_cast<std::size_t>(instance.mesh)];
-        const glm::dmat4& matrix = world[static_cast<std::size_t>(instance.node)];
-        for (const std::uint32_t index : mesh.indices)
-            result.add(glm::dvec3(matrix * glm::dvec4(mesh.positions[index], 1)));
+        const auto nodeIndex = static_cast<std::size_t>(instance.node);
+        const Node& node = nodes[nodeIndex];
+        Deformation deformation;
+        if (!mesh.morphTargets.empty()) {
+            deformation.weights = node.morphWeights.empty() ? mesh.morphWeights : node.morphWeights;
+            if (weightChannels[nodeIndex]) evaluateWeights(*weightChannels[nodeIndex], time, deformation.weights);
+        }
+        glm::dmat4 matrix = pose.nodes[nodeIndex];
+        if (instance.skin >= 0) {
+            const Skin& skin = skins[static_cast<std::size_t>(instance.skin)];
+            const glm::dmat4& root = pose.nodes[static_cast<std::size_t>(skin.joints.front())];
+            const glm::dvec3 origin(root[3]);
+            const bool mirrored = glm::determinant(glm::dmat3(root * skin.inverseBindMatrices.front())) < 0;
+            const glm::dmat4 mirror = glm::scale(glm::dmat4(1), glm::dvec3(mirrored ? -1 : 1, 1, 1));
+            for (std::size_t k = 0; k < skin.joints.size(); ++k) {
+                glm::dmat4 joint = pose.nodes[static_cast<std::size_t>(skin.joints[k])];
+                joint[3] -= glm::dvec4(origin, 0);
+                deformation.joints.push_back(mirror * joint * skin.inverseBindMatrices[k]);
+            }
+            matrix = glm::translate(glm::dmat4(1), origin) * mirror;
+        }
+        pose.instances.push_back(matrix);
+        pose.deformations.push_back(std::move(deformation));
+    }
+    return pose;
+}
+
+Bounds Scene::bounds(double time) const {
+    const Pose at = pose(time);
+    const std::vector<Bounds> meshBoxes = boxesOf(meshes);
+    Bounds result;
+    for (std::size_t i = 0; i < instances.size(); ++i) {
+        const auto mesh = static_cast<std::size_t>(instances[i].mesh);
+        addInstance(result, meshes[mesh], meshBoxes[mesh], at.instances[i], at.deformations[i]);
+    }
+    return result;
+}
+
+Bounds Scene::motionBounds() const {
+    Bounds result = bounds();
+    const std::vector<std::uint8_t> moves = movingInstances();
+    const std::vector<Bounds> meshBoxes = boxesOf(meshes);
+    std::size_t deformedVertices = 0;
+    for (std::size_t i = 0; i < instances.size(); ++i) {
+        if (!moves[i]) continue;
+        const Mesh& mesh = meshes[static_cast<std::size_t>(instances[i].mesh)];
+        if (instances[i].skin >= 0 || !mesh.morphTargets.empty()) deformedVertices += mesh.positions.size();
+    }
+    if (std::find(moves.begin(), moves.end(), 1) == moves.end()) return result;
+
+    std::vector<double> keys;
+    for (const Animation& animation : animations) {
+        for (const AnimationChannel& channel : animation.channels)
+            keys.insert(keys.end(), channel.times.begin(), channel.times.end());
+    }
+    std::sort(keys.begin(), keys.end());
+    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+    // A second or so of work at most: deforming a vertex takes some 50 ns.
+    const std::size_t most = std::clamp<std::size_t>((std::size_t{1} << 24) / (deformedVertices + 1), 16, 4096);
+    const std::size_t steps = std::clamp<std::size_t>(most / keys.size(), 1, 16);
+    const std::size_t stride = (keys.size() + most - 1) / most;
+    std::vector<double> times{keys.back()};
+    for (std::size_t k = 0; k + 1 < keys.size(); k += stride) {
+        for (std::size_t step = 0; step < steps; ++step)
+            times.push_back(glm::mix(keys[k], keys[k + 1], static_cast<double>(step) / static_cast<double>(steps)));
+    }
+    for (const double time : times) {
+        const Pose at = pose(time);
+        for (std::size_t i = 0; i < instances.size(); ++i) {
+            if (!moves[i]) continue;
+            const auto mesh = static_cast<std::size_t>(instances[i].mesh);
+            addInstance(result, meshes[mesh], meshBoxes[mesh], at.instances[i], at.deformations[i]);
+        }
+    }
+    return result;
+}
+
+std::vector<std::uint8_t> Scene::movingInstances() const {
+    std::vector<std::uint8_t> nodeMoves(nodes.size(), 0), weightsMove(nodes.size(), 0);
+    for (const Animation& animation : animations) {
+        for (const AnimationChannel& channel : animation.channels)
+            (channel.property == AnimatedProperty::morph_weights ? weightsMove
+                                                                 : nodeMoves)[static_cast<std::size_t>(channel.node)] =
+                1;
+    }
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (nodes[i].parent >= 0) nodeMoves[i] |= nodeMoves[static_cast<std::size_t>(nodes[i].parent)];
+    }
+    std::vector<std::uint8_t> moves;
+    for (const Instance& instance : instances) {
+        const auto node = static_cast<std::size_t>(instance.node);
+        bool moving = nodeMoves[node] != 0;
+        if (instance.skin >= 0) {
+            const std::vector<int>& joints = skins[static_cast<std::size_t>(instance.skin)].joints;
+            moving = std::any_of(joints.begin(), joints.end(),
+                                 [&](int joint) { return nodeMoves[static_cast<std::size_t>(joint)] != 0; });
+        }
+        moving |= weightsMove[node] && !meshes[static_cast<std::size_t>(instance.mesh)].morphTargets.empty();
+        moves.push_back(moving);
+    }
+    return moves;
+}
+
+Bounds transformed(const Bounds& box, const glm::dmat4& matrix) {
+    Bounds result;
+    if (box.empty()) return result;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 p((corner & 1) ? box.max.x : box.min.x, (corner & 2) ? box.max.y : box.min.y,
+                           (corner & 4) ? box.max.z : box.min.z);
+        result.add(glm::dvec3(matrix * glm::dvec4(p, 1)));
     }
     return result;
 }

@@ -159,11 +159,22 @@ void makeTangents(Mesh& mesh, const std::vector<glm::vec2>& uv) {
                 split.try_emplace({vertex, group[c]}, static_cast<std::uint32_t>(mesh.positions.size()));
             target = place->second;
             if (added) {
-                mesh.positions.push_back(glm::vec3(mesh.positions[vertex]));
-                mesh.normals.push_back(glm::vec3(mesh.normals[vertex]));
-                for (auto& set : mesh.texCoords)
-                    if (!set.empty()) set.push_back(glm::vec2(set[vertex]));
-                if (!mesh.colors.empty()) mesh.colors.push_back(glm::vec4(mesh.colors[vertex]));
+                const auto repeat = [vertex](auto& values) {
+                    if (values.empty()) return;
+                    const auto value = values[vertex];
+                    values.push_back(value);
+                };
+                repeat(mesh.positions);
+                repeat(mesh.normals);
+                for (auto& set : mesh.texCoords) repeat(set);
+                repeat(mesh.colors);
+                repeat(mesh.joints);
+                repeat(mesh.jointWeights);
+                for (MorphTarget& morph : mesh.morphTargets) {
+                    repeat(morph.positions);
+                    repeat(morph.normals);
+                    repeat(morph.tangents);
+                }
                 mesh.tangents.emplace_back(0);
             }
         }

@@ -178,6 +178,29 @@ CameraPath readCameraPath(JsonObject& camera) {
     return path;
 }
 
+LightTrack readLightPath(JsonObject& light, bool hasPosition, bool hasDirection) {
+    LightTrack track;
+    std::vector<glm::dvec3>&positions = track.position.values, &directions = track.direction.values;
+    std::vector<glm::dvec3>& intensities = track.intensity.values;
+    std::size_t index = 0;
+    const std::vector<double> times = readPath(light, [&](JsonObject& key) {
+        if (hasPosition && holds(key, "position", index, positions.size()))
+            positions.push_back(key.vector("position", -kLargest, kLargest));
+        if (hasDirection && holds(key, "direction", index, directions.size()))
+            directions.push_back(key.direction("direction"));
+        if (holds(key, "intensity", index, intensities.size())) intensities.emplace_back(key.color("intensity"));
+        ++index;
+    });
+    const Interpolation interpolation = readInterpolation(light);
+    for (Track* part : {&track.position, &track.direction, &track.intensity}) {
+        part->interpolation = interpolation;
+        if (!part->values.empty()) part->times = times;
+    }
+    if (track.position.empty() && track.direction.empty() && track.intensity.empty())
+        light.fail("path", "has keys without position, direction or intensity");
+    return track;
+}
+
 void readObjects(const json& objects, const std::string& file, Scene& scene) {
     if (!objects.is_array()) throw InputError(file, "objects", "must be an array");
     Animation animation;

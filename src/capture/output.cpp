@@ -29,7 +29,9 @@ fs::path fileOf(const fs::path& out, const Shot& shot, std::string channel, int 
 }  // namespace
 
 bool moves(const Scene& scene) {
-    return !scene.animations.empty();
+    return !scene.animations.empty() || std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& light) {
+        return !light.track.position.empty() || !light.track.direction.empty() || !light.track.intensity.empty();
+    });
 }
 
 void ShotWriter::channel(const Shot& shot, const std::string& name, int frame, const Image& image,

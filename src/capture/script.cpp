@@ -56,11 +56,24 @@ Light readLight(JsonObject object) {
     light.type =
         static_cast<LightType>(object.word("type", {"directional", "point", "spot", "sphere", "rectangle"}, "light"));
     light.name = object.find("name") != nullptr ? object.string("name") : object.pathOf("");
-    light.intensity = object.color("intensity");
-
     const bool spot = light.type == LightType::spot, rectangle = light.type == LightType::rectangle;
-    if (light.type != LightType::directional) light.position = object.vector("position", -kLargest, kLargest);
-    if (light.type == LightType::directional || spot || rectangle) light.direction = object.direction("direction");
+    const bool hasPosition = light.type != LightType::directional;
+    const bool hasDirection = light.type == LightType::directional || spot || rectangle;
+    if (object.find("path") != nullptr) light.track = readLightPath(object, hasPosition, hasDirection);
+    // The light as it is at the first key; the path is given instead of a value, not beside it.
+    const auto fromPath = [&](const char* key, const Track& track) {
+        if (!track.empty() && object.find(key) != nullptr) object.fail(key, "is given by the path");
+        return !track.empty();
+    };
+    const LightTrack& track = light.track;
+    light.intensity =
+        fromPath("intensity", track.intensity) ? glm::vec3(track.intensity.values.front()) : object.color("intensity");
+    if (hasPosition)
+        light.position = fromPath("position", track.position) ? track.position.values.front()
+                                                              : object.vector("position", -kLargest, kLargest);
+    if (hasDirection)
+        light.direction =
+            fromPath("direction", track.direction) ? track.direction.values.front() : object.direction("direction");
     if (light.type == LightType::point || spot) light.range = object.number("range", 0, 0, kLargest, "m");
     if (spot) {
         const double outer = object.number("outer_cone_deg", 45, 0, 90, "degrees");

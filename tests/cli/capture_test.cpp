@@ -216,21 +216,33 @@ class Motion : public testing::Test {
     TemporaryFolder folder_;
 };
 
+// With objects that move everything is built anew for every frame; without, only the camera moves.
 TEST_F(Motion, AFrameIsTheSameWithAndWithoutThoseBeforeIt) {
-    const Outcome all = run("capture", "all", motionScript(0, 3)), last = run("capture", "last", motionScript(3, 3));
-    ASSERT_EQ(all.status, 0) << all.err;
-    ASSERT_EQ(last.status, 0) << last.err;
-    EXPECT_EQ(filesOf(path("last")),
-              (std::set<std::string>{"past/beauty.0003.exr", "past/beauty.0003.png", "past/depth.0003.exr",
-                                     "past/depth.0003.png", "past/indirect_diffuse.0003.exr",
-                                     "past/indirect_diffuse.0003.png", "past/stats.json"}));
-    for (const char* channel : {"beauty", "indirect_diffuse", "depth"}) {
-        const std::string name = std::string("past/") + channel;
-        const Image third = readImage(path("all") / (name + ".0003.exr"));
-        EXPECT_EQ(third.data, readImage(path("last") / (name + ".0003.exr")).data) << channel;
-        EXPECT_NE(third.data, readImage(path("all") / (name + ".0002.exr")).data) << channel;
+    for (const std::string scene : {"still", "moving"}) {
+        json scripts[] = {motionScript(0, 3), motionScript(3, 3)};
+        for (json& script : scripts) {
+            if (scene == "still") script.erase("objects");
+        }
+        const Outcome all = run("capture", scene, scripts[0]), last = run("capture", scene + " last", scripts[1]);
+        ASSERT_EQ(all.status, 0) << all.err;
+        ASSERT_EQ(last.status, 0) << last.err;
+        EXPECT_EQ(filesOf(path(scene + " last")),
+                  (std::set<std::string>{"past/beauty.0003.exr", "past/beauty.0003.png", "past/depth.0003.exr",
+                                         "past/depth.0003.png", "past/indirect_diffuse.0003.exr",
+                                         "past/indirect_diffuse.0003.png", "past/stats.json"}));
+        for (const char* channel : {"beauty", "indirect_diffuse", "depth"}) {
+            const std::string name = std::string("past/") + channel;
+            const Image third = readImage(path(scene) / (name + ".0003.exr"));
+            EXPECT_EQ(third.data, readImage(path(scene + " last") / (name + ".0003.exr")).data)
+                << scene << " " << channel;
+            EXPECT_NE(third.data, readImage(path(scene) / (name + ".0002.exr")).data) << scene << " " << channel;
+        }
     }
+}
 
+TEST_F(Motion, StatsSayTheChangeFromFrameToFrame) {
+    ASSERT_EQ(run("capture", "all", motionScript(0, 3)).status, 0);
+    ASSERT_EQ(run("capture", "last", motionScript(3, 3)).status, 0);
     const json stats = json::parse(contentOf(path("all") / "past/stats.json"));
     ASSERT_EQ(stats["frames"].size(), 4u);
     EXPECT_EQ(stats["frames"][3]["frame"], 3);
@@ -247,6 +259,21 @@ TEST_F(Motion, AFrameIsTheSameWithAndWithoutThoseBeforeIt) {
     EXPECT_NEAR(stats["temporal"]["F"].get<double>(), std::sqrt(squared) / mean, 1e-9);
     EXPECT_EQ(stats["temporal"]["worst_jump"].get<double>(), worst);
     EXPECT_FALSE(json::parse(contentOf(path("last") / "past/stats.json")).contains("temporal"));
+}
+
+TEST_F(Motion, LightsOfTheReferenceMoveToo) {
+    json script = motionScript(1, 2);
+    script.erase("objects");
+    script["shots"][0].erase("temporal");
+    script["shots"][0]["channels"] = {"direct", "depth"};
+    script["shots"][0]["camera"] = {{"position", {-0.6, 3, 5.6}}, {"target", {0, 0.5, 0}}};
+    script["lights"] = json::parse(R"([{"type": "sphere", "radius": 0.1, "position": [-2, 2, 1],
+        "path": [{"time": 0.25, "intensity": 2}, {"time": 0.5, "intensity": 4}]}])");
+    ASSERT_EQ(run("reference", "reference", script, {"--spp", "2"}).status, 0);
+    const auto pixels = [&](const char* name) { return readImage(path("reference") / "past" / name).data; };
+    EXPECT_EQ(pixels("depth.0001.exr"), pixels("depth.0002.exr"));
+    const std::vector<float> dim = pixels("direct.0001.exr"), bright = pixels("direct.0002.exr");
+    for (std::size_t i = 0; i < dim.size(); ++i) ASSERT_NEAR(bright[i], 2 * dim[i], 1e-5f * bright[i]) << i;
 }
 
 // Geometry has one answer, so the two see the same places at the same times.

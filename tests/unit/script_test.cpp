@@ -302,6 +302,45 @@ TEST_F(Script, WrongCameraPathsAreNamed) {
     EXPECT_THAT(with("/shots/0/camera/up", {0, 0, 0}), HasSubstr("camera.up: must not be zero"));
 }
 
+TEST_F(Script, LightsMoveTurnAndChange) {
+    script_["lights"] = json::parse(R"([
+        {"type": "sphere", "radius": 0.1, "intensity": 6, "interpolation": "linear",
+         "path": [{"time": 1, "position": [0, 2, 0]}, {"time": 2, "position": [4, 2, 0]}]},
+        {"type": "rectangle", "position": [0, 2, 0], "up": [0, 0, 1], "width": 2, "height": 1,
+         "path": [{"time": 0, "direction": [0, -3, 0], "intensity": 1}, {"time": 2, "direction": [0, 0, 1], "intensity": [3, 5, 7]}]}])");
+    const CaptureScript script = load();
+    EXPECT_EQ(script.scene.lights[0].position, glm::dvec3(0, 2, 0));
+    EXPECT_EQ(script.scene.lights[1].direction, glm::dvec3(0, -1, 0));
+    EXPECT_EQ(script.scene.lights[1].intensity, glm::vec3(1));
+    const std::vector<Light> lights = script.scene.lightsAt(1.25);
+    EXPECT_EQ(lights[0].position, glm::dvec3(1, 2, 0));
+    EXPECT_EQ(lights[0].intensity, glm::vec3(6));
+    // Half way between two keys, a spline with one-sided slopes is the mean of them.
+    const Light half = script.scene.lightsAt(1)[1];
+    EXPECT_EQ(half.intensity, glm::vec3(2, 3, 4));
+    EXPECT_NEAR(glm::dot(half.direction, glm::normalize(glm::dvec3(0, -1, 1))), 1, 1e-12);
+    EXPECT_NEAR(glm::dot(half.direction, half.up), 0, 1e-12);
+}
+
+TEST_F(Script, WrongLightPathsAreNamed) {
+    const json two = json::parse(R"([{"time": 0, "position": [0, 0, 0]}, {"time": 1, "position": [1, 0, 0]}])");
+    EXPECT_EQ(with("/lights/1/path", two), "script.json: lights[1].position: is given by the path");
+    script_["lights"][1].erase("position");
+    EXPECT_EQ(with("/lights/1/path", two), "");
+    EXPECT_EQ(without("/lights/1", "intensity"), "script.json: lights[1].intensity: is missing");
+    script_["lights"][1]["path"] = two;
+    EXPECT_EQ(with("/lights/1/path", json::array()),
+              "script.json: lights[1].path: must be an array of at least two keys");
+    EXPECT_EQ(with("/lights/1/path/1/time", 0),
+              "script.json: lights[1].path[1].time: 0 must be later than that of the key before, 0");
+    EXPECT_EQ(with("/lights/1/path/1/intensity", 1),
+              "script.json: lights[1].path[1].intensity: is absent from the keys before; all must have the same");
+    EXPECT_THAT(with("/lights/1/path/1/direction", {0, 1, 0}), HasSubstr("path[1].direction: unknown key"));
+    EXPECT_EQ(with("/lights/1/path", json::parse(R"([{"time": 0}, {"time": 1}])")),
+              "script.json: lights[1].path: has keys without position, direction or intensity");
+    EXPECT_THAT(with("/lights/0/interpolation", "linear"), HasSubstr("lights[0].interpolation: unknown key"));
+}
+
 /// The triangle's node is called "triangle" and turned by the file; its object of the script moves it.
 class ScriptObjects : public Script {
   protected:

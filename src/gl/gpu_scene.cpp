@@ -579,8 +579,13 @@ void GpuScene::reverseDrawOrder() {
         reverseTriangles(range.firstOpen, range.openCount);
     }
     indexBuffer_.upload(indices_.data(), indices_.size() * sizeof(std::uint32_t));
-    for (Shape& shape : shapes_)
-        updateShapeBounds(shape, scene_.meshes[static_cast<std::size_t>(shape.mesh)].positions);
+    for (Shape& shape : shapes_) {
+        if (shape.instance >= 0) {
+            uploadDeformed(shape);
+        } else {
+            updateShapeBounds(shape, scene_.meshes[static_cast<std::size_t>(shape.mesh)].positions);
+        }
+    }
     reversed_ = !reversed_;
     std::reverse(batches_.begin(), batches_.end());
 }

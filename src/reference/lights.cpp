@@ -45,12 +45,10 @@ glm::vec3 cosineDirection(const glm::vec2& u) {
 }
 
 AnalyticLights::AnalyticLights(const Scene& scene, double time, const TracingSpace& space) {
-    const std::vector<glm::dmat4> matrices = scene.worldMatrices(time);
     const float lengthScale = static_cast<float>(space.scale);
     std::vector<double> power;
     double total = 0;
-    for (const Light& placed : scene.lights) {
-        const Light light = worldLight(placed, matrices);
+    for (const Light& light : scene.lightsAt(time)) {
         PlacedLight p;
         p.type = light.type;
         p.radiance = light.intensity;

@@ -610,7 +610,7 @@ class Loader {
     void fillJoints(Mesh& mesh, const Accessor& joints, const Accessor& weights,
                     const std::vector<std::uint32_t>& source, const std::string& path) {
         Size weightless = 0;
-        LargestJoint largest;
+        LargestJoint largest{0, 0, path};
         for (const std::uint32_t i : source) {
             const glm::vec4 joint = joints.at(i);
             glm::vec4 weight = weights.at(i);
@@ -631,7 +631,10 @@ class Loader {
                 if (weight[k] == 0) continue;
                 const auto index = static_cast<std::uint16_t>(joint[k]);
                 mesh.joints.back()[sizeOf(k)] = index;
-                if (index >= largest.joint) largest = {index, i, path};
+                if (index > largest.joint) {
+                    largest.joint = index;
+                    largest.vertex = i;
+                }
             }
             mesh.jointWeights.push_back(weight);
         }

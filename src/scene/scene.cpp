@@ -223,6 +223,13 @@ Bounds Scene::motionBounds() const {
     return result;
 }
 
+std::vector<Light> Scene::lightsAt(double time) const {
+    const std::vector<glm::dmat4> world = worldMatrices(time);
+    std::vector<Light> result;
+    for (const Light& light : lights) result.push_back(worldLight(lightAt(light, time), world));
+    return result;
+}
+
 std::vector<std::uint8_t> Scene::movingInstances() const {
     std::vector<std::uint8_t> nodeMoves(nodes.size(), 0), weightsMove(nodes.size(), 0);
     for (const Animation& animation : animations) {
@@ -265,6 +272,27 @@ std::size_t Scene::triangleCount() const {
     for (const Instance& instance : instances)
         count += meshes[static_cast<std::size_t>(instance.mesh)].indices.size() / 3;
     return count;
+}
+
+Light lightAt(const Light& light, double time) {
+    Light result = light;
+    result.track = {};
+    const LightTrack& track = light.track;
+    if (!track.position.empty()) result.position = track.position.at(time);
+    if (!track.intensity.empty()) result.intensity = glm::max(glm::vec3(track.intensity.at(time)), glm::vec3(0));
+    if (!track.direction.empty()) {
+        const glm::dvec3 direction = track.direction.at(time);
+        // Between opposite directions there is none for a moment.
+        if (glm::length(direction) > 0) result.direction = glm::normalize(direction);
+        // Rodrigues' rotation from the light's direction to this one. The opposite direction leaves `up` across.
+        const glm::dvec3 axis = glm::cross(light.direction, result.direction);
+        const double cosine = glm::dot(light.direction, result.direction);
+        if (cosine > -1 + 1e-12) {
+            const glm::dvec3 step = glm::cross(axis, light.up);
+            result.up = glm::normalize(light.up + step + glm::cross(axis, step) / (1 + cosine));
+        }
+    }
+    return result;
 }
 
 Light worldLight(const Light& light, const std::vector<glm::dmat4>& worldMatrices) {

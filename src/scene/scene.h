@@ -116,6 +116,13 @@ struct Instance {
     int skin = -1;  ///< index in Scene::skins; only for meshes with joints
 };
 
+/// Changes of a light over time, in the space that the light is given in; what has no keys stays as it is.
+struct LightTrack {
+    Track position;   ///< metres
+    Track direction;  ///< of any length above 0
+    Track intensity;  ///< of the light's own unit; values below 0 count as 0
+};
+
 enum class LightType : int { directional, point, spot, sphere, rectangle };
 
 /// Analytic light. Position and frame are in world space when `node` < 0, else in that node's space.
@@ -135,6 +142,7 @@ struct Light {
     double innerConeAngle = 0, outerConeAngle = 0.7853981633974483;  ///< spot, half-angles in radians
     double radius = 0;                                               ///< sphere, metres
     double width = 0, height = 0;                                    ///< rectangle, metres
+    LightTrack track;
 };
 
 /// Perspective camera looking along −z of its frame. In world space when `node` < 0.
@@ -233,6 +241,9 @@ struct Scene {
     /// moves.
     Bounds motionBounds() const;
 
+    /// World lights at `time`: lightAt() and the nodes' transforms applied.
+    std::vector<Light> lightsAt(double time = 0) const;
+
     /// One an instance: 1 where an animation drives its morph weights, or its node or one of its joints or an ancestor
     /// of these.
     std::vector<std::uint8_t> movingInstances() const;
@@ -240,6 +251,9 @@ struct Scene {
     /// Triangles over all instances.
     std::size_t triangleCount() const;
 };
+
+/// `light` as its track has it at `time` seconds, without a track. `up` turns with the direction by the shortest way.
+Light lightAt(const Light& light, double time);
 
 /// A light or camera with its node's transform applied. Intensities do not change with scale, sizes do.
 Light worldLight(const Light& light, const std::vector<glm::dmat4>& worldMatrices);

@@ -324,5 +324,55 @@ TEST_F(GlTest, MovedBoxesAreThoseLeftAndEntered) {
     EXPECT_TRUE(gpu.takeMoved().empty());
 }
 
+TEST_F(GlTest, DeformedInstancesAreDrawnWhereTheirJointsAre) {
+    // Two fields of one mesh, the second hung on a joint that moves sideways, and a floor that does not move.
+    Scene scene = test::SceneBuilder()
+                      .add(test::quad(1, 1, 16), test::lambert(0.5f))
+                      .add(test::quad(1, 1), test::lambert(0.5f), test::translation({0, -3, 0}))
+                      .build();
+    Mesh& mesh = scene.meshes[0];
+    mesh.joints.assign(mesh.positions.size(), {0, 0, 0, 0});
+    mesh.jointWeights.assign(mesh.positions.size(), glm::vec4(1, 0, 0, 0));
+    // The skin's first joint carries nothing and stays, so that vertices move and not the instance's space.
+    for (auto& joints : mesh.joints) joints[0] = 1;
+    scene.nodes.resize(4);
+    scene.skins.push_back({"", {2, 3}, {glm::dmat4(1), glm::dmat4(1)}});
+    scene.instances.push_back({0, 0, 0});
+    AnimationChannel channel;
+    channel.node = 3;
+    channel.times = {0, 1, 2};
+    channel.values = {glm::vec4(0), glm::vec4(10, 0, 0, 0), glm::vec4(10, 0, 0, 0)};
+    scene.animations.push_back({"", {channel}});
+
+    GpuScene gpu(scene);
+    BoxPicture picture;
+    const Bounds left = boxOf(glm::dvec3(-1), glm::dvec3(1)), right = boxOf({9, -1, -1}, {11, 1, 1});
+    const auto drawn = [&](const Bounds& box) {
+        std::uint64_t count = 0;
+        const auto all = picture.of(gpu, box, 1, [&] { gpu.draw(picture.program()); });
+        EXPECT_EQ(all, picture.of(gpu, box, 1, [&] { count = gpu.drawInside(picture.program(), box); }));
+        EXPECT_EQ(count > 0, std::any_of(all.begin(), all.end(), [](float texel) { return texel != -1; }));
+        return count;
+    };
+    const std::uint64_t quadTriangles = 2 * 16 * 16;
+    EXPECT_EQ(gpu.triangleCount(), 2 * quadTriangles + 2);
+    EXPECT_EQ(drawn(left), 2 * quadTriangles);
+    EXPECT_EQ(drawn(right), 0u);
+    EXPECT_EQ(std::count_if(gpu.batches().begin(), gpu.batches().end(), [](const Batch& b) { return b.moving; }), 1);
+
+    gpu.setTime(1);
+    EXPECT_EQ(drawn(left), quadTriangles);
+    EXPECT_EQ(drawn(right), quadTriangles);
+    EXPECT_NEAR(gpu.bounds().max.x, 10.5, 1e-6);
+    const std::vector<Bounds> moved = gpu.takeMoved();
+    ASSERT_EQ(moved.size(), 2u);
+    EXPECT_NEAR(moved[0].max.x, 0.5, 1e-6);
+    EXPECT_NEAR(moved[1].min.x, 9.5, 1e-6);
+    gpu.reverseDrawOrder();
+    EXPECT_EQ(drawn(right), quadTriangles);
+    gpu.setTime(2);
+    EXPECT_TRUE(gpu.takeMoved().empty());
+}
+
 }  // namespace
 }  // namespace voxcone

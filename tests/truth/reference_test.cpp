@@ -372,6 +372,17 @@ TEST(Lights, PunctualFalloffs) {
     EXPECT_NEAR(probeAt(SceneBuilder().light(light).build(), {0, 0, 0}, kUp, 16).directIrradiance.x, 8 * cosine, 1e-4);
 }
 
+TEST(Lights, AreWhereTheyAreAtTheTime) {
+    Light light = pointLight({0, 1, 0}, 1);
+    light.track.position = {Interpolation::linear, {0, 1}, {{0, 1, 0}, {0, 2, 0}}};
+    light.track.intensity = {Interpolation::linear, {0, 1}, {glm::dvec3(1), glm::dvec3(6)}};
+    const Scene scene = SceneBuilder().light(light).build();
+    for (const auto& [time, irradiance] : {std::pair(0.0, 1.0), {1.0, 1.5}}) {
+        const PathTracer::Probe probe{{0, 0, 0}, glm::vec3(kUp)};
+        EXPECT_NEAR(PathTracer(scene, time).probe({probe}, withSamples(64))[0].directIrradiance.x, irradiance, 1e-5);
+    }
+}
+
 TEST(Lights, ManyLightsAddUp) {
     SceneBuilder builder;
     double expected = 0;
@@ -546,6 +557,44 @@ TEST(Pictures, GeometryChannels) {
         EXPECT_NEAR(images.normal.pixel(x, 12)[1], 1, 1e-6);
         EXPECT_NEAR(images.albedo.pixel(x, 12)[0], 0.5, 1e-6);
     }
+}
+
+TEST(Pictures, ShowDeformedMeshesAtTheirTime) {
+    // A floor that morphs into a ramp, and then rises with the one joint that carries it.
+    Scene scene = oneObject(quad(4, 4), lambert(0.5f), glm::dmat4(1), glm::vec3(1));
+    Mesh& mesh = scene.meshes[0];
+    MorphTarget ramp;
+    for (const glm::vec3& p : mesh.positions) {
+        ramp.positions.emplace_back(0, p.x, 0);
+        ramp.normals.emplace_back(-1, 0, 0);
+    }
+    mesh.morphTargets = {ramp};
+    mesh.morphWeights = {0};
+    mesh.joints.assign(mesh.positions.size(), {0, 0, 0, 0});
+    mesh.jointWeights.assign(mesh.positions.size(), glm::vec4(1, 0, 0, 0));
+    scene.nodes.emplace_back();
+    scene.skins.push_back({"", {1}, {glm::dmat4(1)}});
+    scene.instances[0].skin = 0;
+    AnimationChannel morph, rise;
+    morph.property = AnimatedProperty::morph_weights;
+    morph.times = rise.times = {0, 1};
+    morph.weights = {0, 1};
+    rise.node = 1;
+    rise.values = {glm::vec4(0), glm::vec4(0, 0.5, 0, 0)};
+    scene.animations.push_back({"", {morph, rise}});
+
+    // Upright, so that a pixel is a place on x and z: the middle pixels look down within 0.03 of the origin.
+    const Camera above = camera({0, 3, 0}, {0, 0, 0}, 10, {0, 0, 1});
+    const auto middle = [&](double time) {
+        const ReferenceImages images = PathTracer(scene, time).render(above, withSamples(2));
+        const float* p = images.position.pixel(8, 8);
+        const float* n = images.normal.pixel(8, 8);
+        return std::pair(glm::dvec3(p[0], p[1], p[2]), glm::dvec3(n[0], n[1], n[2]));
+    };
+    EXPECT_NEAR(middle(0).first.y, 0, 1e-5);
+    const auto [position, normal] = middle(1);
+    EXPECT_NEAR(position.y, 0.5 + position.x, 1e-5);
+    EXPECT_NEAR(glm::length(normal - glm::normalize(glm::dvec3(-1, 1, 0))), 0, 1e-5);
 }
 
 TEST(Pictures, SupersamplingFiltersByTheRegularGrid) {

@@ -171,7 +171,7 @@ TEST_F(MotionTest, MalformedSkinsAreRefused) {
     const std::string attributesPath = "meshes[0].primitives[0].attributes";
     json& document = builder.json;
     damaged([&] { document["skins"][0]["joints"] = {1}; }, attributesPath + ".JOINTS_0",
-            "element 3 names joint 1, but skins[0] has 1");
+            "element 1 names joint 1, but skins[0] has 1");
     damaged([&] { document["skins"][0]["joints"] = json::array(); }, "skins[0].joints", "is empty");
     damaged([&] { document["skins"][0]["joints"] = {1, 9}; }, "skins[0].joints[1]", "is 9");
     damaged([&] { document["skins"][0]["joints"] = {1, 1}; }, "skins[0].joints[1]", "stands twice");

@@ -7,6 +7,9 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform float u_inverseVoxelSize;
+#if CASCADES
+uniform bool u_coarserSide;  // where levels blend, read the coarser one alone: one side of the seam
+#endif
 layout(rgba32f) uniform writeonly image2D u_gathered;
 
 void main() {
@@ -19,6 +22,13 @@ void main() {
         Cone cone;
         cone.origin = s.position * u_inverseVoxelSize;
         cone.normal = s.geometricNormal;
+        cone.level = 0.0;
+#if CASCADES
+        if (u_coarserSide) {
+            vec2 level = containment(cone.origin);
+            if (level.y > 0.0) cone.level = level.x + 1.0;
+        }
+#endif
         cone.tanHalfAngle = u_coneTanHalfAngle;
         mat3 frame = frameAround(s.normal);
 #if ROTATE

@@ -1,10 +1,11 @@
 // Mean over the orientations of a tile among the neighbours that lie on the same surface, then what the surface makes of
 // it: indirect diffuse radiance towards the eye, and openness in a.
 #include "frame/gbuffer.glsl"
+#include "cascade/containment.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D u_gathered;
-uniform float u_voxelSize;
+uniform float u_voxelSize;  // of level 0
 layout(rgba32f) uniform writeonly image2D u_diffuse;
 
 void main() {
@@ -19,6 +20,7 @@ void main() {
         // sixteen orientations counts once.
         vec4 sum = vec4(0.0);
         float weights = 0.0;
+        float voxelSize = u_voxelSize * exp2(containmentLevel(s.position / u_voxelSize));
         vec3 normal = gbufferNormal(pixel);  // as stored, like those of the neighbours
         ivec2 size = gbufferSize();
         for (int i = 0; i < 25; ++i) {
@@ -30,10 +32,10 @@ void main() {
             vec3 offset = u_cameraPosition + gbufferRay(tap) * depth - s.position;
             // Out of the tangent plane by less than half a voxel (light varies over voxels) or the slope of the pixels
             // between them; normals within 25 degrees.
-            float bound = 0.1 * length(offset) + 0.05 * u_voxelSize;
+            float bound = 0.1 * length(offset) + 0.05 * voxelSize;
             float plane = 1.0 - abs(dot(offset, s.geometricNormal)) / bound;
             float facing = (dot(gbufferNormal(tap), normal) - 0.9) * 10.0;
-            float near = 1.0 - length(offset) / (4.0 * u_voxelSize);
+            float near = 1.0 - length(offset) / (4.0 * voxelSize);
             float weight = clamp(plane, 0.0, 1.0) * clamp(facing, 0.0, 1.0) * clamp(near, 0.0, 1.0);
             weight *= (abs(step_.x) == 2 ? 0.5 : 1.0) * (abs(step_.y) == 2 ? 0.5 : 1.0);
             sum += weight * texelFetch(u_gathered, tap, 0);

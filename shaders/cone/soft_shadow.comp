@@ -21,11 +21,13 @@ void main() {
         Cone cone;
         cone.origin = s.position * u_inverseVoxelSize;
         cone.normal = s.geometricNormal;
+        cone.level = 0.0;
         cone.direction = toLight / distance_;
         float sine = min(u_lightRadius / distance_, 0.99);
         cone.tanHalfAngle = sine * inversesqrt(1.0 - sine * sine);
         // Short of the light by its radius and what filtering spreads: a lamp's own casing must not shade it.
-        float reach = max(distance_ - u_lightRadius, 0.0) * u_inverseVoxelSize - 2.0;
+        float edge = u_directional ? 1.0 : exp2(containmentLevel(u_lightPosition * u_inverseVoxelSize));
+        float reach = max(distance_ - u_lightRadius, 0.0) * u_inverseVoxelSize - 2.0 * edge;
         visibility = 0.0;
         if (dot(cone.direction, cone.normal) > 0.0)
             visibility = traceConeTo(cone, u_directional ? 1e30 : reach).transmittance;

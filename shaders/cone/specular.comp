@@ -22,6 +22,7 @@ void main() {
             Cone cone;
             cone.origin = s.position * u_inverseVoxelSize;
             cone.normal = s.geometricNormal;
+            cone.level = 0.0;
             vec3 mirror = reflect(-s.toEye, s.normal);
 #if APERTURE_GGX
             // Half the energy of the lobe of reflected directions lies within 2 atan(alpha) of the mirror direction; wide

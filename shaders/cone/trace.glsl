@@ -1,34 +1,44 @@
-// Cones through the voxels. Needs the defines SIX_FACE, COMPOSITING_{LINEAR,EXPONENTIAL,ALPHA}, START_NORMAL, FOOTPRINT_CAP
-// and AO_DISTANCE.
+// Cones through the voxels. Needs the defines SIX_FACE, SH1, COMPOSITING_{LINEAR,EXPONENTIAL,ALPHA}, START_NORMAL, FOOTPRINT_CAP,
+// AO_DISTANCE, CASCADES (more than one level) and LAYERS.
 //
-// All lengths are in voxels of the finest level, and positions are in [0, resolution].
+// All lengths are in voxels of level 0, and positions are relative to the lattice's origin. A place is read at level
+// max(log2 footprint, containment level), where a fraction blends two levels as densities per length.
+#include "cascade/buffers.glsl"
+#include "cascade/containment.glsl"
+#include "cascade/records.glsl"
 
-uniform int u_resolution;
-uniform int u_levels;            // mip levels of the volumes
+uniform int u_coarsest;          // the last mip
 uniform float u_coneStep;        // footprints
 uniform float u_coneGain;        // g
 uniform float u_footprintCap;    // K
-uniform float u_startOffset;     // voxels, times |n|_1
-uniform float u_headStart;      // voxels
-uniform float u_nudge;           // voxel diagonals
-uniform float u_coneMaxDistance; // voxels
+uniform float u_startOffset;     // voxels of the level at the start, times |n|_1
+uniform float u_headStart;       // likewise
+uniform float u_nudge;           // voxel diagonals, likewise
+uniform float u_coneMaxDistance;
 uniform float u_radianceScale;   // stored radiance times this is W/(m² sr)
+uniform vec3 u_readableLow, u_readableHigh;  // cones end there
 #if AO_DISTANCE
-uniform float u_aoDistance;      // voxels
+uniform float u_aoDistance;
 uniform int u_aoFalloff;         // 0 none, 1 linear, 2 square root
 #endif
 
+uniform sampler3D u_coveragePositive;  // coverage of surfaces that look along +x, +y, +z; without SIX_FACE opacity
 #if SIX_FACE
-uniform sampler3D u_coveragePositive;  // density of surfaces that look along +x, +y, +z
 uniform sampler3D u_coverageNegative;  // … along -x, -y, -z
 #endif
-uniform sampler3D u_radiance;
+uniform usampler3D u_index;
+#if LAYERS == 2
+uniform usampler3D u_movingIndex;
+#endif
+// Radiance over u_radianceScale, and coverage, as half floats: six faces a slot, or what light/fold.comp makes of them.
+layout(std430, binding = RADIANCE_STORAGE) readonly buffer Radiance { uvec2 b_radiance[]; };
 
 struct Cone {
     vec3 origin;     // of the surface, not yet offset
     vec3 normal;     // geometric
     vec3 direction;
     float tanHalfAngle;
+    float level;     // finest level to read: that of the voxel a cone starts from, or 0
 };
 
 struct ConeResult {
@@ -47,23 +57,27 @@ float occluderWeight(float distance_) {
 #endif
 }
 
-/// Distances along `d` from `o` to where it enters the grid (0 from inside) and leaves it; it leaves before it enters when
-/// it never meets the grid.
+/// Distances along `d` from `o` to where it enters the voxels (0 from inside) and leaves them; it leaves before it enters
+/// when it never meets them.
 vec2 gridRange(vec3 o, vec3 d) {
     vec3 inverse = 1.0 / mix(d, vec3(1e-20), equal(d, vec3(0.0)));
-    vec3 a = -o * inverse, b = (float(u_resolution) - o) * inverse;
+    vec3 a = (u_readableLow - o) * inverse, b = (u_readableHigh - o) * inverse;
     vec3 near = min(a, b), far = max(a, b);
     return vec2(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
 }
 
-/// Footprint at distance t: the cone's diameter, but no more than the height above the tangent plane over K, so that a
-/// sample never reaches down into the surface that the cone leaves.
-float footprint(Cone cone, float offset, float t) {
+/// Level to read at distance t: of the cone's diameter, but no more than the height above the tangent plane over K, so that
+/// a sample never reaches down into the surface that the cone leaves; and what is there.
+float levelAt(Cone cone, vec3 start, float offset, float t) {
     float diameter = 2.0 * cone.tanHalfAngle * t;
 #if FOOTPRINT_CAP
     diameter = min(diameter, (offset + t * dot(cone.normal, cone.direction)) / u_footprintCap);
 #endif
-    return max(diameter, 1.0);
+#if !START_NORMAL
+    diameter /= sqrt(3.0);
+#endif
+    float level = max(containmentLevel(start + cone.direction * t), cone.level);
+    return clamp(log2(max(diameter, 1.0)), level, max(float(u_coarsest), level));
 }
 
 #if SIX_FACE
@@ -87,32 +101,128 @@ void withoutOwnPlane(Cone cone, float height, float diameter, inout vec3 positiv
     positive = mix(back, front, up);
     negative = mix(front, back, up);
 }
-
-vec3 textureCoordinates(vec3 x, float lod, int face) {
-    // Trilinear filtering must not reach the neighbouring face in the stack: stay half a texel of the coarser level inside.
-    float halfTexel = 0.5 * exp2(ceil(lod));
-    float size = float(u_resolution);
-    float z = clamp(x.z, halfTexel, size - halfTexel);
-    return vec3(x.xy, float(face) * size + z) / vec3(size, size, 6.0 * size);
-}
 #endif
+
+/// Texture coordinates of `x` at a level of the coverage volumes, whose borders make its toroidal box whole.
+vec3 coverageCoordinates(vec3 x, int level, vec3 texels) {
+    float size = float(levelResolution(level));
+    vec3 p = x * exp2(-float(level));
+    p = level < u_firstFixed ? p - size * floor(p / size) : clamp(p, 0.0, size);
+    return (vec3(levelOrigin(level, 1)) + p) / texels;
+}
+
+/// What a coverage of 1 is at a level as density per unit of length. Without SIX_FACE mips hold mean opacities (see
+/// voxelize/mip_resolve.comp), and COMPOSITING_ALPHA takes opacities as they are.
+float densityScale(int level) {
+#if SIX_FACE
+    return exp2(-float(level));
+#elif COMPOSITING_ALPHA
+    return 1.0;
+#else
+    return exp2(-float(min(level, u_levels - 1)));
+#endif
+}
+
+/// The finer of the two levels to read for `lod`, and the weight of the next one. Half of all samples need one level alone:
+/// the blend is twice as steep as the level, and as continuous.
+int finerLevel(float lod, out float next) {
+    int level = int(lod);
+    next = 2.0 * (lod - float(level)) - 0.5;
+    if (next >= 1.0) ++level, next = 0.0;
+    next = max(next, 0.0);
+    return level;
+}
+
+/// Densities per unit of length. At a whole level nothing of another one is read.
+void densitiesAt(vec3 x, float lod, out vec3 positive, out vec3 negative) {
+    vec3 texels = vec3(textureSize(u_coveragePositive, 0));
+    float next;
+    int level = finerLevel(lod, next);
+    vec3 at = coverageCoordinates(x, level, texels);
+    float scale = densityScale(level) * (1.0 - next);
+    positive = scale * textureLod(u_coveragePositive, at, 0.0).rgb;
+#if SIX_FACE
+    negative = scale * textureLod(u_coverageNegative, at, 0.0).rgb;
+#else
+    negative = vec3(0.0);
+#endif
+    if (next > 0.0) {
+        at = coverageCoordinates(x, level + 1, texels);
+        scale = densityScale(level + 1) * next;
+        positive += scale * textureLod(u_coveragePositive, at, 0.0).rgb;
+#if SIX_FACE
+        negative += scale * textureLod(u_coverageNegative, at, 0.0).rgb;
+#endif
+    }
+}
+
+/// Adds radiance times coverage, and coverage, of a record: of one of its faces, or of what it shows against `d`.
+void addRecord(uint mark, int face, vec3 d, float weight, inout vec4 sum) {
+    if (mark == 0u) return;
+    uint slot = mark - 1u;
+#if SIX_FACE
+    vec4 stored = unpackHalf4(b_radiance[slot * 6u + uint(face)]);
+    sum += weight * stored.a * vec4(stored.rgb, 1.0);
+#elif SH1
+    vec4 shown = unpackHalf4(b_radiance[slot * 4u]) - d.x * unpackHalf4(b_radiance[slot * 4u + 1u]) -
+                 d.y * unpackHalf4(b_radiance[slot * 4u + 2u]) - d.z * unpackHalf4(b_radiance[slot * 4u + 3u]);
+    if (shown.a > 0.0) sum += weight * max(shown, vec4(0.0));
+#else
+    vec4 stored = unpackHalf4(b_radiance[slot]);
+    sum += weight * stored.a * vec4(stored.rgb, 1.0);
+#endif
+}
+
+/// The same of voxel `i` of a level, unless the level ends before it.
+void addVoxel(ivec3 i, int level, ivec3 origin, int face, vec3 d, float weight, inout vec4 sum) {
+    ivec3 mask = ivec3(levelResolution(level) - 1);
+    if (level >= u_firstFixed && any(notEqual(i & ~mask, ivec3(0)))) return;
+    ivec3 texel = origin + (i & mask);
+    addRecord(texelFetch(u_index, texel, 0).r, face, d, weight, sum);
+#if LAYERS == 2
+    if (level < u_levels) addRecord(texelFetch(u_movingIndex, texel, 0).r, face, d, weight, sum);
+#endif
+}
+
+/// The same of the eight voxels around `x` at one level, as trilinear filtering weights them. Written out: as a loop inside
+/// those over steps and cones it would use up the iterations that drivers run (see traceConeTo).
+void addLevel(vec3 x, int level, int face, vec3 d, float weight, inout vec4 sum) {
+    vec3 p = x * exp2(-float(level)) - 0.5;
+    vec3 low = floor(p), f = p - low, g = 1.0 - f;
+    ivec3 first = ivec3(low), origin = levelOrigin(level, 0);
+    addVoxel(first, level, origin, face, d, weight * g.x * g.y * g.z, sum);
+    addVoxel(first + ivec3(1, 0, 0), level, origin, face, d, weight * f.x * g.y * g.z, sum);
+    addVoxel(first + ivec3(0, 1, 0), level, origin, face, d, weight * g.x * f.y * g.z, sum);
+    addVoxel(first + ivec3(1, 1, 0), level, origin, face, d, weight * f.x * f.y * g.z, sum);
+    addVoxel(first + ivec3(0, 0, 1), level, origin, face, d, weight * g.x * g.y * f.z, sum);
+    addVoxel(first + ivec3(1, 0, 1), level, origin, face, d, weight * f.x * g.y * f.z, sum);
+    addVoxel(first + ivec3(0, 1, 1), level, origin, face, d, weight * g.x * f.y * f.z, sum);
+    addVoxel(first + ivec3(1, 1, 1), level, origin, face, d, weight * f.x * f.y * f.z, sum);
+}
+
+/// Mean radiance around `x` of a face, or of all that looks against `d`; black where there is none.
+vec3 radianceAt(vec3 x, float lod, int face, vec3 d) {
+    vec4 sum = vec4(0.0);
+    float next;
+    int level = finerLevel(lod, next);
+    addLevel(x, level, face, d, densityScale(level) * (1.0 - next), sum);
+    if (next > 0.0) addLevel(x, level + 1, face, d, densityScale(level + 1) * next, sum);
+    return sum.a > 0.0 ? sum.rgb / sum.a : vec3(0.0);
+}
 
 #if SIX_FACE
 /// What a cone meets at one place.
 struct Crossing {
     float density;  // optical density against the cone
-    vec3 facing;    // densities, by axis, of the faces that look against the cone, without the cone's own surface
-    vec3 stored;    // the same with it, as the stored radiance is weighted
+    vec3 facing;    // densities, by axis, of the faces that look against the cone
 };
 
 /// `x` is `height` above the tangent plane of the cone's origin.
 Crossing crossingAt(Cone cone, vec3 x, float height, float diameter, float lod) {
-    vec3 unit = x / float(u_resolution);
-    vec3 positive = textureLod(u_coveragePositive, unit, lod).xyz;
-    vec3 negative = textureLod(u_coverageNegative, unit, lod).xyz;
+    vec3 positive, negative;
+    densitiesAt(x, lod, positive, negative);
     bvec3 ascending = greaterThan(cone.direction, vec3(0.0));
     Crossing crossing;
-    crossing.stored = mix(positive, negative, ascending);
 #if START_NORMAL
     withoutOwnPlane(cone, height, diameter, positive, negative);
 #endif
@@ -126,60 +236,66 @@ Crossing crossingAt(Cone cone, vec3 x, float height, float diameter, float lod) 
 /// Optical depth of a wall whose filtered profile reaches behind the start of the cone: without it, a start within a voxel
 /// of a wall beside it would cross only a part of that wall. The part behind is as deep for a steep cone as for a flat one,
 /// so it is looked for along the tangent plane; but a cone along the normal never meets such a wall.
-float depthBehind(Cone cone, vec3 o, float offset) {
+float depthBehind(Cone cone, vec3 o, float offset, float startLevel) {
     vec3 along = cone.direction - cone.normal * dot(cone.normal, cone.direction);
     float sine = length(along);
     if (sine < 0.05) return 0.0;
     along /= sine;
     Cone level = cone;
     level.direction = along;
-    float density = crossingAt(level, o - 0.5 * u_headStart * along, offset, 1.0, 0.0).density;
-    return u_headStart * density * min(1.0, 3.0 * sine);
+    float behind = u_headStart * exp2(startLevel);
+    vec3 x = o - 0.5 * behind * along;
+    float lod = max(startLevel, containmentLevel(x));
+    return behind * crossingAt(level, x, offset, exp2(lod), lod).density * min(1.0, 3.0 * sine);
 }
 #endif
 
-/// Up to `reach` voxels from the origin.
+/// Up to `reach` from the origin.
 ConeResult traceConeTo(Cone cone, float reach) {
     vec3 d = cone.direction;
     vec3 n = cone.normal;
+    float startLevel = max(containmentLevel(cone.origin), cone.level), edge = exp2(startLevel);
 #if START_NORMAL
-    float offset = u_startOffset * (abs(n.x) + abs(n.y) + abs(n.z));
+    float offset = u_startOffset * edge * (abs(n.x) + abs(n.y) + abs(n.z));
     vec3 o = cone.origin + n * offset;
     float t = 0.0;
 #else
     // Eq. 3.4 of the thesis, after Rauwendaal 2013; kept finite at grazing angles.
     float offset = 0.0;
     vec3 o = cone.origin;
-    float t = u_nudge * sqrt(3.0) / max(dot(n, d), 1.0 / float(u_resolution));
+    float t = u_nudge * edge * sqrt(3.0) / max(dot(n, d), 1.0 / float(u_resolution));
 #endif
     vec2 range = gridRange(o, d);
     t = max(t, range.x);
     float end = min(range.y, reach);
 
     ConeResult result = ConeResult(vec3(0.0), 1.0, 1.0);
-    float tau = 0.0, maxLod = float(u_levels - 1);
+    float tau = 0.0;
 #if SIX_FACE && START_NORMAL && !COMPOSITING_ALPHA
-    tau = depthBehind(cone, o, offset);
+    if (range.x <= 0.0 && range.y > 0.0) tau = depthBehind(cone, o, offset, startLevel);
 #endif
     // Steps are at least a tenth of a voxel long (the range of cone.step); 65535 iterations are all some drivers run.
     for (int i = 0; i < 4096 && t < end; ++i) {
-        float diameter = footprint(cone, offset, t);
+        float lod = levelAt(cone, o, offset, t);
 #if START_NORMAL
-        float ds = u_coneStep * diameter;
+        float diameter = exp2(lod), ds = min(u_coneStep * diameter, end - t);
+        // The middle of the segment may lie in a coarser level already.
         vec3 x = o + d * (t + 0.5 * ds);
-        float lod = min(log2(diameter), maxLod);
+#if CASCADES
+        lod = max(lod, containmentLevel(x));
+#endif
 #else
-        float ds = u_coneStep * diameter;
+        float ds = min(u_coneStep * max(2.0 * cone.tanHalfAngle * t, exp2(lod)), end - t);
         vec3 x = o + d * t;
-        float lod = clamp(log2(diameter / sqrt(3.0)), 0.0, maxLod);
 #endif
 
 #if SIX_FACE
-        Crossing crossing = crossingAt(cone, x, offset + dot(x - o, n), diameter, lod);
+        Crossing crossing = crossingAt(cone, x, offset + dot(x - o, n), exp2(lod), lod);
         float density = crossing.density;
 #else
-        vec4 voxel = textureLod(u_radiance, x / float(u_resolution), lod);
-        float density = voxel.a;
+        vec3 opacity, none;
+        densitiesAt(x, lod, opacity, none);
+        float density = opacity.r;
 #endif
         if (density > 0.0) {
 #if COMPOSITING_LINEAR
@@ -197,12 +313,10 @@ ConeResult traceConeTo(Cone cone, float reach) {
             // behind it. All faces of one surface hold the same radiance, so that nothing jumps where another takes over.
             vec3 seen = abs(d) * crossing.facing;
             int axis = seen.x >= seen.y && seen.x >= seen.z ? 0 : (seen.y >= seen.z ? 1 : 2);
-            if (seen[axis] > 0.0 && stopped > 0.0) {
-                vec3 stored = textureLod(u_radiance, textureCoordinates(x, lod, 2 * axis + (d[axis] > 0.0 ? 1 : 0)), lod).rgb;
-                result.radiance += stored * (stopped / crossing.stored[axis]);
-            }
+            if (seen[axis] > 0.0 && stopped > 0.0)
+                result.radiance += stopped * radianceAt(x, lod, 2 * axis + (d[axis] > 0.0 ? 1 : 0), d);
 #else
-            result.radiance += stopped * voxel.rgb / voxel.a;
+            if (stopped > 0.0) result.radiance += stopped * radianceAt(x, lod, 0, d);
 #endif
             result.openness -= stopped * occluderWeight(t);
             result.transmittance = after;

@@ -1,24 +1,44 @@
-// The first occupied voxel along each pixel's ray (Amanatides and Woo 1987), and what its face towards the eye holds.
-#include "voxelize/buffers.glsl"
-#include "voxelize/records.glsl"
+// The first occupied voxel along each pixel's ray (Amanatides and Woo 1987), and what its face towards the eye holds. Levels
+// are marched one after the other, each inside its own box.
+#include "cascade/buffers.glsl"
+#include "cascade/clipmap.glsl"
+#include "cascade/records.glsl"
 #include "shared/octahedral.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform usampler3D u_index;
+#if LAYERS == 2
+uniform usampler3D u_movingIndex;
+#endif
 uniform int u_what;  // 0 albedo, 1 normal, 2 radiance, 3 opacity
-uniform int u_resolution;
-uniform float u_inverseVoxelSize;
+uniform int u_firstLevel, u_lastLevel;
+uniform vec3 u_boxLow[16], u_boxHigh[16];  // of every level, in voxels of level 0
+uniform float u_inverseVoxelSize;          // of level 0
+uniform float u_radianceScale;
 uniform vec3 u_cameraPosition;
 uniform mat3 u_cameraRays;
 layout(std430, binding = FACE_STORAGE) readonly buffer Faces { FaceRecord b_faces[]; };
-layout(std430, binding = RADIANCE_STORAGE) readonly buffer Radiance { vec4 b_radiance[]; };
+layout(std430, binding = RADIANCE_STORAGE) readonly buffer Radiance { uvec2 b_radiance[]; };
 layout(rgba32f) uniform writeonly image2D u_picture;
+
+float shareOf(uint face) { return unpackHalf2x16(b_radiance[face].y).y; }
 
 vec3 faceValue(uint face) {
     if (u_what == 0) return unpackAlbedo(b_faces[face].albedo);
     if (u_what == 1) return unpackOctahedral(b_faces[face].normal);
-    if (u_what == 2) return b_radiance[face].rgb;
-    return vec3(b_radiance[face].a);
+    uvec2 stored = b_radiance[face];
+    if (u_what == 2) return u_radianceScale * vec3(unpackHalf2x16(stored.x), unpackHalf2x16(stored.y).x);
+    return vec3(shareOf(face));
+}
+
+/// The face of a record that the ray sees: the side that it came in by, unless another that looks to the eye is fuller.
+uint faceSeen(uint mark, vec3 d, int axis) {
+    uint first = (mark - 1u) * 6u, face = first + uint(2 * axis + (d[axis] > 0.0 ? 1 : 0));
+    for (int k = 0; k < 3; ++k) {
+        uint other = first + uint(2 * k + (d[k] > 0.0 ? 1 : 0));
+        if (shareOf(other) > shareOf(face) + (shareOf(face) > 0.0 ? 0.25 : 0.0)) face = other;
+    }
+    return face;
 }
 
 void main() {
@@ -26,37 +46,42 @@ void main() {
     if (any(greaterThanEqual(pixel, imageSize(u_picture)))) return;
     vec3 d = normalize(u_cameraRays * vec3(vec2(pixel) + 0.5, 1.0));
     d = mix(d, vec3(1e-9), equal(d, vec3(0.0)));
-    vec3 o = u_cameraPosition * u_inverseVoxelSize;
-    vec3 a = -o / d, b = (float(u_resolution) - o) / d;
-    vec3 enter3 = min(a, b), leave3 = max(a, b);
-    float enter = max(max(enter3.x, enter3.y), max(enter3.z, 0.0)), leave = min(leave3.x, min(leave3.y, leave3.z));
     vec3 value = vec3(0.0);
-    if (enter < leave) {
-        vec3 start = o + d * enter;
-        ivec3 voxel = clamp(ivec3(floor(start)), ivec3(0), ivec3(u_resolution - 1));
+    float done = 0.0;  // distance marched, in voxels of level 0
+    bool found = false;
+    for (int level = u_firstLevel; level <= u_lastLevel && !found; ++level) {
+        float edge = float(1 << level);
+        vec3 o = u_cameraPosition * (u_inverseVoxelSize / edge);
+        vec3 low = u_boxLow[level] / edge, high = u_boxHigh[level] / edge;
+        vec3 a = (low - o) / d, b = (high - o) / d;
+        vec3 enter3 = min(a, b), leave3 = max(a, b);
+        float leave = min(leave3.x, min(leave3.y, leave3.z));
+        float enter = max(max(enter3.x, max(enter3.y, enter3.z)), done / edge);
+        if (enter >= leave) continue;
+        ivec3 voxel = clamp(ivec3(floor(o + d * enter)), ivec3(floor(low)), ivec3(ceil(high)) - 1);
         ivec3 stepTo = ivec3(sign(d));
         vec3 next = (vec3(voxel) + max(vec3(stepTo), vec3(0.0)) - o) / d, delta = abs(1.0 / d);
-        vec3 entered = enter3;
-        for (int i = 0; i < 3 * u_resolution; ++i) {
-            uint mark = texelFetch(u_index, voxel, 0).r;
+        int axis = enter3.x >= enter3.y && enter3.x >= enter3.z ? 0 : (enter3.y >= enter3.z ? 1 : 2);
+        float t = enter;
+        for (int i = 0; i < 3 * u_resolution && t < leave && !found; ++i) {
+            ivec3 texel = levelTexel(voxel, level);
+            uint mark = texelFetch(u_index, texel, 0).r;
+#if LAYERS == 2
+            uint moving = level < u_levels ? texelFetch(u_movingIndex, texel, 0).r : 0u;
+            if (moving != 0u &&
+                (mark == 0u || shareOf(faceSeen(moving, d, axis)) > shareOf(faceSeen(mark, d, axis)))) mark = moving;
+#endif
             if (mark != 0u) {
-                // The side that the ray came in by, or else the fullest of those that look to the eye.
-                int axis = entered.x >= entered.y && entered.x >= entered.z ? 0 : (entered.y >= entered.z ? 1 : 2);
-                uint first = (mark - 1u) * 6u;
-                uint face = first + uint(2 * axis + (d[axis] > 0.0 ? 1 : 0));
-                for (int k = 0; k < 3; ++k) {
-                    uint other = first + uint(2 * k + (d[k] > 0.0 ? 1 : 0));
-                    if (b_radiance[other].a > b_radiance[face].a + 0.25) face = other;
-                }
-                value = faceValue(face);
-                break;
+                value = faceValue(faceSeen(mark, d, axis));
+                found = true;
             }
-            entered = vec3(-1e30);
-            if (next.x <= next.y && next.x <= next.z) voxel.x += stepTo.x, entered.x = next.x, next.x += delta.x;
-            else if (next.y <= next.z) voxel.y += stepTo.y, entered.y = next.y, next.y += delta.y;
-            else voxel.z += stepTo.z, entered.z = next.z, next.z += delta.z;
-            if (any(lessThan(voxel, ivec3(0))) || any(greaterThanEqual(voxel, ivec3(u_resolution)))) break;
+            axis = next.x <= next.y && next.x <= next.z ? 0 : (next.y <= next.z ? 1 : 2);
+            t = next[axis];
+            voxel[axis] += stepTo[axis];
+            next[axis] += delta[axis];
+            if (any(lessThan(vec3(voxel), floor(low))) || any(greaterThanEqual(vec3(voxel), ceil(high)))) break;
         }
+        done = leave * edge;
     }
     imageStore(u_picture, pixel, vec4(value, 1.0));
 }

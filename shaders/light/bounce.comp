@@ -1,31 +1,36 @@
-// One bounce: every voxel face gathers the radiance volume by cones, and adds what it reflects to its direct light.
-#include "voxelize/buffers.glsl"
-#include "voxelize/records.glsl"
+// One bounce: every voxel face of the coarsest level gathers the radiance of the others by cones, and adds what it reflects to
+// its direct light. Finer levels take what these faces gather (spread.comp): so the bounces do not depend on the camera.
+#include "cascade/buffers.glsl"
 #include "shared/octahedral.glsl"
 #include "cone/sky.glsl"
 #include "cone/trace.glsl"
 #include "cone/cone_set.glsl"
 layout(local_size_x = 64) in;
 
-uniform uint u_faceCount;
+uniform uint u_faceCount;          // of the list
 uniform float u_fixedPointUnit;    // steps of the sums for a radiance of 1
 uniform vec3 u_tail;               // what all further bounces add, over what this one adds
+uniform ivec3 u_windowLow[16];     // of every level
 layout(std430, binding = COUNTER_STORAGE) coherent buffer Counters { VOXEL_COUNTERS };
-layout(std430, binding = DIRECT_STORAGE) readonly buffer Direct { vec4 b_direct[]; };
-layout(std430, binding = VOXEL_STORAGE) readonly buffer Voxels { uint b_voxels[]; };
+layout(std430, binding = LIST_STORAGE) readonly buffer List { uint b_list[]; };
+layout(std430, binding = PLACE_STORAGE) readonly buffer Places { uint b_places[]; };
 layout(std430, binding = FACE_STORAGE) readonly buffer Faces { FaceRecord b_faces[]; };
-layout(std430, binding = RADIANCE_STORAGE) buffer Radiance { vec4 b_radiance[]; };
+layout(std430, binding = COVERAGE_STORAGE) readonly buffer Coverage { uvec2 b_coverage[]; };
+layout(std430, binding = GATHERED_STORAGE) buffer Gathered { uvec2 b_gathered[]; };
 
 void main() {
-    uint index = gl_WorkGroupID.y * gl_NumWorkGroups.x * 64u + gl_WorkGroupID.x * 64u + gl_LocalInvocationID.x;
-    if (index >= u_faceCount) return;
+    uint item = gl_WorkGroupID.y * gl_NumWorkGroups.x * 64u + gl_WorkGroupID.x * 64u + gl_LocalInvocationID.x;
+    if (item >= u_faceCount) return;
+    uint index = b_list[item], slot = index / 6u;
     FaceRecord face = b_faces[index];
-    if (!faceHoldsSurface(face)) return;
-    ivec3 voxel = unpackVoxel(b_voxels[index / 6u]);
+    uint place = b_places[slot];
+    int level = placeLevel(place);
+    ivec3 low = u_windowLow[level], voxel = low + ((placeTexel(place) - low) & (u_resolution - 1));
     Cone cone;
-    cone.origin = vec3(voxel) + unpackPosition(face.position);
+    cone.origin = (vec3(voxel) + unpackPosition(face.position)) * float(1 << level);
     cone.normal = unpackOctahedral(face.normal);
     cone.tanHalfAngle = u_coneTanHalfAngle;
+    cone.level = float(level);
     mat3 frame = frameAround(cone.normal);
     // Neighbouring voxels turn their sets differently, so that what one set misses the next one sees.
     int turn = (voxel.x * 5 + voxel.y * 11 + voxel.z * 7) & 15;
@@ -36,13 +41,13 @@ void main() {
         ConeResult result = traceCone(cone);
         gathered += local.w * (result.radiance + result.transmittance * skyRadiance(cone.direction, cone.tanHalfAngle));
     }
-    vec4 before = b_radiance[index];
-    vec3 after = b_direct[index].rgb + unpackAlbedo(face.albedo) * gathered;
-    vec3 added = after - before.rgb;
-    b_radiance[index].rgb = max(after + u_tail * added, vec3(0.0));
+    gathered /= u_radianceScale;
+    vec3 more = gathered - unpackHalf3(b_gathered[index]);
+    b_gathered[index] = packHalf3(clamp(gathered + u_tail * more, vec3(0.0), vec3(kMostHalf)));
     // Integer sums do not depend on the order of the faces; a high word takes the carries.
+    vec3 added = unpackAlbedo(face.albedo) * more * faceCoverage(b_coverage[slot], int(index % 6u));
     for (int c = 0; c < 3; ++c) {
-        uint steps = uint(clamp(added[c] * before.a * u_fixedPointUnit, 0.0, 1e9));
+        uint steps = uint(clamp(added[c] * u_fixedPointUnit, 0.0, 1e9));
         uint old = atomicAdd(b_added[2 * c], steps);
         if (old + steps < old) atomicAdd(b_added[2 * c + 1], 1u);
     }

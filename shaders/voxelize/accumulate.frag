@@ -3,18 +3,18 @@
 VOXELIZE_VARYINGS(in)
 #include "shared/material.glsl"
 #include "shared/brdf.glsl"
-#include "voxelize/buffers.glsl"
-#include "voxelize/clip.glsl"
-#include "voxelize/records.glsl"
+#include "cascade/buffers.glsl"
+#include "voxelize/region.glsl"
+#include "cascade/records.glsl"
+#include "voxelize/sums.glsl"
 
-uniform int u_resolution;
-uniform uint u_firstRecord, u_recordCount;  // records of this pass; more do not fit in a buffer at once
+uniform uint u_firstRecord, u_recordCount;  // new records of this pass; more do not fit in a buffer at once
 #if EMISSION
 uniform float u_emissionUnit;  // fixed-point steps for a radiance of 1
 #endif
 layout(r32ui) uniform readonly uimage3D u_index;
 
-layout(std430, binding = RECORD_STORAGE) coherent buffer Records { uint b_records[]; };
+layout(std430, binding = SUM_STORAGE) coherent buffer Records { uint b_sums[]; };
 layout(std430, binding = COUNTER_STORAGE) coherent buffer Counters { VOXEL_COUNTERS };
 
 // Rounding by a dither that only depends on the triangle and the voxel: unbiased for weights below the fixed-point step,
@@ -50,7 +50,7 @@ void meanInto(uint word, vec3 value) {
     uvec3 q = uvec3(clamp(value, 0.0, 1.0) * 255.0 + 0.5);
     uint desired = q.x | (q.y << 8) | (q.z << 16) | (1u << 24);
     for (int attempt = 0; attempt < 1000; ++attempt) {
-        uint found = atomicCompSwap(b_records[word], expected, desired);
+        uint found = atomicCompSwap(b_sums[word], expected, desired);
         if (found == expected) return;
         uint count = found >> 24;
         if (count == 255u) return;
@@ -74,28 +74,28 @@ void addToFace(uint record, int face, float weight, Surfel surfel) {
     uint base = record * uint(kRecordWords) + uint(face * kFaceWords);
     uint w = dithered(weight * kUnit);
     if (w == 0u) return;
-    if (b_records[base] >= kSaturated) {
+    if (b_sums[base] >= kSaturated) {
         atomicAdd(b_saturated, 1u);
         return;
     }
-    atomicAdd(b_records[base], w);
+    atomicAdd(b_sums[base], w);
     float fw = float(w);
     for (uint i = 0u; i < 3u; ++i) {
-        atomicAdd(b_records[base + 1u + i], dithered(fw * clamp(surfel.albedo[i], 0.0, 1.0)));
-        atomicAdd(b_records[base + 4u + i], dithered(fw * 0.5 * (surfel.normal[i] + 1.0)));
-        atomicAdd(b_records[base + 7u + i], dithered(fw * clamp(surfel.position[i], 0.0, 1.0)));
+        atomicAdd(b_sums[base + 1u + i], dithered(fw * clamp(surfel.albedo[i], 0.0, 1.0)));
+        atomicAdd(b_sums[base + 4u + i], dithered(fw * 0.5 * (surfel.normal[i] + 1.0)));
+        atomicAdd(b_sums[base + 7u + i], dithered(fw * clamp(surfel.position[i], 0.0, 1.0)));
 #if EMISSION
         uint e = dithered(weight * surfel.emission[i] * u_emissionUnit);
         if (e == 0u) continue;
-        uint old = atomicAdd(b_records[base + 10u + 2u * i], e);
-        if (old + e < old) atomicAdd(b_records[base + 11u + 2u * i], 1u);
+        uint old = atomicAdd(b_sums[base + 10u + 2u * i], e);
+        if (old + e < old) atomicAdd(b_sums[base + 11u + 2u * i], 1u);
 #endif
     }
 }
 #endif
 
 void main() {
-    ivec2 cell = ivec2(gl_FragCoord.xy);
+    ivec2 cell = cellOfFragment();
     vec2 e1 = f_p1.xy - f_p0.xy, e2 = f_p2.xy - f_p0.xy;
     vec3 twiceArea = cross(f_p1 - f_p0, f_p2 - f_p0);  // z is its largest component
     float determinant = twiceArea.z;
@@ -107,7 +107,7 @@ void main() {
     vec2 uvArea = abs(uvE1.xz * uvE2.yw - uvE1.yw * uvE2.xz);
     vec2 uvPerVoxel = sqrt(uvArea / abs(determinant) / length(planeNormal));
 
-    ivec2 depths = depthRange(cell, u_resolution);
+    ivec2 depths = depthRange(cell);
     for (int z = depths.x; z <= depths.y; ++z) {
         Piece piece = pieceIn(vec3(cell, z), vec3(cell, z) + 1.0, 6);
         if (!piece.any) continue;
@@ -119,7 +119,7 @@ void main() {
         if (coverage.x + coverage.y + coverage.z <= 0.0) continue;
 #endif
         ivec3 voxel = ivec3(unpermute(vec3(cell, z), f_axis));
-        uint record = imageLoad(u_index, voxel).r - 1u - u_firstRecord;
+        uint record = imageLoad(u_index, levelTexel(voxel, u_level)).r - kFresh - u_firstRecord;
         if (record >= u_recordCount) continue;
 
         // Barycentric coordinates from the projection; those of slivers are uncertain, but never leave the triangle.
@@ -145,7 +145,8 @@ void main() {
                                material.emission);
 
         atomicAdd(b_fragments, 1u);
-        g_dither = hash(hash(f_p0) ^ hash(hash(f_p1) ^ hash(hash(f_p2) ^ packVoxel(voxel))));
+        uvec3 v = uvec3(voxel) & 1023u;
+        g_dither = hash(hash(f_p0) ^ hash(hash(f_p1) ^ hash(hash(f_p2) ^ (v.x | (v.y << 10) | (v.z << 20)))));
         for (int side = 0; side < 2; ++side) {
             if (side == 1) {
                 if (u_closed) break;  // nothing ever sees the back of a watertight body

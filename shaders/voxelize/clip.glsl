@@ -89,12 +89,4 @@ vec3 middleOf(Piece piece) {
     return clamp(middle, piece.low, piece.high);
 }
 
-/// First and last cell along z that the triangle reaches over the pixel (x, y); first > last when it misses the pixel. Not
-/// from the triangle's plane: the normal of a sliver is too uncertain to tell its depth some voxels on.
-ivec2 depthRange(ivec2 cell, int resolution) {
-    Piece column = pieceIn(vec3(cell, -1e30), vec3(cell + 1, 1e30), 4);
-    if (!column.any) return ivec2(0, -1);
-    return ivec2(floor(vec2(max(column.low.z, 0.0), min(column.high.z, float(resolution - 1)))));
-}
-
 vec3 unpermute(vec3 p, int axis) { return axis == 2 ? p : (axis == 0 ? p.zxy : p.yzx); }

@@ -1,58 +1,64 @@
-// Sums to means: fills the faces of each record and the two coverage volumes.
+// Sums to means: fills the faces of each new record and the volumes that cones filter.
 //
 // A coverage is the projected area of the surfaces in the voxel that look along an axis, over the area of a voxel face,
-// clamped to 1. It is an optical density per voxel edge, and mips keep it per edge of the finest voxel.
-#include "voxelize/buffers.glsl"
+// clamped to 1. It is an optical density per voxel edge.
+#include "cascade/buffers.glsl"
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
-#include "voxelize/records.glsl"
+#include "cascade/records.glsl"
+#include "voxelize/sums.glsl"
+#include "cascade/coverage_store.glsl"
+#include "voxelize/slots.glsl"
 layout(local_size_x = 64) in;
 
 uniform uint u_firstRecord, u_recordCount;
-#if EMISSION
-uniform float u_emissionUnit;
+layout(r32ui) uniform uimage3D u_index;
+#if LAYERS == 2
+layout(r32ui) uniform uimage3D u_movingIndex;
 #endif
 layout(std430, binding = COUNTER_STORAGE) coherent buffer Counters { VOXEL_COUNTERS };
-layout(std430, binding = RECORD_STORAGE) readonly buffer Records { uint b_records[]; };
-layout(std430, binding = VOXEL_STORAGE) readonly buffer Voxels { uint b_voxels[]; };
+layout(std430, binding = SUM_STORAGE) readonly buffer Records { uint b_sums[]; };
+layout(std430, binding = FRESH_STORAGE) buffer Fresh { uint b_freshList[]; };
+layout(std430, binding = PLACE_STORAGE) writeonly buffer Places { uint b_places[]; };
 layout(std430, binding = FACE_STORAGE) writeonly buffer Faces { FaceRecord b_faces[]; };
-layout(std430, binding = COVERAGE_STORAGE) writeonly buffer Coverage { float b_coverage[]; };
-#if SIX_FACE
-layout(rgba16) uniform writeonly image3D u_coveragePositive;
-layout(rgba16) uniform writeonly image3D u_coverageNegative;
+layout(std430, binding = COVERAGE_STORAGE) buffer Coverage { uvec2 b_coverage[]; };
+#if EMISSION
+uniform float u_emissionUnit;
+layout(std430, binding = EMISSION_STORAGE) writeonly buffer Emission { uint b_emission[]; };
 #endif
 
 vec3 unpackByteMean(uint word) { return vec3(word & 255u, (word >> 8) & 255u, (word >> 16) & 255u) / 255.0; }
 
 void main() {
     if (gl_GlobalInvocationID.x >= u_recordCount) return;
-    uint local = gl_GlobalInvocationID.x, record = u_firstRecord + local;
+    uint local = gl_GlobalInvocationID.x, number = u_firstRecord + local;
+    uint place = b_freshList[number], slot = slotOfFresh(number);
     vec3 positive = vec3(0.0), negative = vec3(0.0);
     for (int f = 0; f < 6; ++f) {
         uint base = local * uint(kRecordWords) + uint(f * kFaceWords);
-        FaceRecord face = FaceRecord(0u, 0u, 0u, 0u);
+        FaceRecord face = FaceRecord(0u, 0u, 0u);
         float coverage = 0.0;
 #if COMPARE_AND_SWAP
-        if ((b_records[base] >> 24) != 0u) {
+        if ((b_sums[base] >> 24) != 0u) {
             coverage = 1.0;
-            face.albedo = packAlbedo(unpackByteMean(b_records[base]));
-            vec3 normal = 2.0 * unpackByteMean(b_records[base + 1u]) - 1.0;
-            vec3 position = unpackByteMean(b_records[base + 2u]);
+            face.albedo = packAlbedo(unpackByteMean(b_sums[base]));
+            vec3 normal = 2.0 * unpackByteMean(b_sums[base + 1u]) - 1.0;
+            vec3 position = unpackByteMean(b_sums[base + 2u]);
             vec3 emission = vec3(0.0);
 #if EMISSION
-            emission = unpackByteMean(b_records[base + 3u]) / u_emissionUnit;
+            emission = unpackByteMean(b_sums[base + 3u]) / u_emissionUnit;
 #endif
 #else
-        float sum = float(b_records[base]);
+        float sum = float(b_sums[base]);
         if (sum > 0.0) {
             coverage = min(sum / kUnit, 1.0);
             vec3 albedo, normal, position, emission = vec3(0.0);
             for (uint i = 0u; i < 3u; ++i) {
-                albedo[i] = float(b_records[base + 1u + i]) / sum;
-                normal[i] = 2.0 * float(b_records[base + 4u + i]) / sum - 1.0;
-                position[i] = float(b_records[base + 7u + i]) / sum;
+                albedo[i] = float(b_sums[base + 1u + i]) / sum;
+                normal[i] = 2.0 * float(b_sums[base + 4u + i]) / sum - 1.0;
+                position[i] = float(b_sums[base + 7u + i]) / sum;
 #if EMISSION
-                float high = float(b_records[base + 11u + 2u * i]), low = float(b_records[base + 10u + 2u * i]);
+                float high = float(b_sums[base + 11u + 2u * i]), low = float(b_sums[base + 10u + 2u * i]);
                 emission[i] = (high * 4294967296.0 + low) / u_emissionUnit / (sum / kUnit);
 #endif
             }
@@ -64,17 +70,35 @@ void main() {
             float length2 = dot(normal, normal);
             face.normal = packOctahedral(length2 > 1e-4 ? normal * inversesqrt(length2) : axis);
             face.position = packPosition(position);
+#if EMISSION
             if (any(greaterThan(emission, vec3(kMaxRgb9e5)))) atomicAdd(b_clamped, 1u);
-            face.emission = packRgb9e5(emission);
+            b_emission[slot * 6u + uint(f)] = packRgb9e5(emission);
+#endif
         }
-        b_faces[record * 6u + uint(f)] = face;
-        b_coverage[record * 6u + uint(f)] = coverage;
+        b_faces[slot * 6u + uint(f)] = face;
         if ((f & 1) == 0) positive[f >> 1] = coverage;
         else negative[f >> 1] = coverage;
     }
-#if SIX_FACE
-    ivec3 voxel = unpackVoxel(b_voxels[record]);
-    imageStore(u_coveragePositive, voxel, vec4(positive, 0.0));
-    imageStore(u_coverageNegative, voxel, vec4(negative, 0.0));
+    uvec2 coverage = uvec2(packCoverage(positive), packCoverage(negative));
+    b_coverage[slot] = coverage;
+    b_places[slot] = place;
+    b_freshList[number] = slot;
+
+    int level = placeLevel(place);
+    ivec3 texel = levelOrigin(level, 0) + placeTexel(place);
+#if LAYERS == 2
+    // Static geometry is resolved first, moving geometry then adds to it.
+    uint other;
+    if (placeMoves(place)) {
+        imageStore(u_movingIndex, texel, uvec4(slot + 1u));
+        other = imageLoad(u_index, texel).r;
+    } else {
+        imageStore(u_index, texel, uvec4(slot + 1u));
+        other = imageLoad(u_movingIndex, texel).r;
+    }
+    if (other != 0u && other < kFresh) coverage = addCoverage(coverage, b_coverage[other - 1u]);
+#else
+    imageStore(u_index, texel, uvec4(slot + 1u));
 #endif
+    storeCoverage(placeTexel(place), level, coverage);
 }

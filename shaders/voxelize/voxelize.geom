@@ -4,6 +4,8 @@ layout(triangles) in;
 layout(triangle_strip, max_vertices = 4) out;
 
 uniform int u_resolution;
+uniform ivec3 u_windowOrigin;       // lower corner of the window
+uniform ivec3 u_boxLow, u_boxHigh;  // the region, half open
 
 in Vertex {
     vec3 voxelPos;
@@ -23,6 +25,7 @@ const float kEnlarge = 0.5 + 1.0 / 128.0;
 // The triangle, permuted, and the axis that went to z.
 int g_axis;
 vec3 g_p0, g_p1, g_p2;
+vec2 g_window;
 
 void emitAt(vec2 q) {
     // Outputs are undefined after EmitVertex, and flat ones come from the last vertex of a triangle: set them every time.
@@ -32,7 +35,8 @@ void emitAt(vec2 q) {
     f_uv0 = v[0].uv, f_uv1 = v[1].uv, f_uv2 = v[2].uv;
     f_color0 = v[0].color, f_color1 = v[1].color, f_color2 = v[2].color;
     f_mirror = v[0].mirror;
-    gl_Position = vec4(q * (2.0 / float(u_resolution)) - 1.0, 0.0, 1.0);
+    gl_ViewportIndex = g_axis;  // one scissor an axis
+    gl_Position = vec4((q - g_window) * (2.0 / float(u_resolution)) - 1.0, 0.0, 1.0);
     EmitVertex();
 }
 
@@ -55,7 +59,7 @@ void main() {
     vec3 p0 = v[0].voxelPos, p1 = v[1].voxelPos, p2 = v[2].voxelPos;
     vec3 low = min(p0, min(p1, p2)), high = max(p0, max(p1, p2));
     float size = float(u_resolution);
-    if (any(lessThan(high, vec3(0.0))) || any(greaterThanEqual(low, vec3(size)))) return;
+    if (any(lessThan(high, vec3(u_boxLow))) || any(greaterThanEqual(low, vec3(u_boxHigh)))) return;
 
     vec3 n = cross(p1 - p0, p2 - p0);
     vec3 a = abs(n);
@@ -69,6 +73,8 @@ void main() {
 
     g_axis = axis;
     g_p0 = p0, g_p1 = p1, g_p2 = p2;
+    ivec3 window = u_windowOrigin;
+    g_window = vec2(axis == 2 ? window.xy : (axis == 0 ? window.yz : window.zx));
 
 #if !CONSERVATIVE
     emitAt(p0.xy), emitAt(p1.xy), emitAt(p2.xy);
@@ -78,9 +84,9 @@ void main() {
 
     vec2 q0 = p0.xy, q1 = p1.xy, q2 = p2.xy;
     vec2 boxLow = min(q0, min(q1, q2)), boxHigh = max(q0, max(q1, q2));
-    if (any(lessThan(boxLow, vec2(-size))) || any(greaterThan(boxHigh, vec2(2.0 * size)))) {
-        // Far larger than the grid: clipping by the rasteriser would move its edges. Cover its bounds inside the grid.
-        vec2 l = max(boxLow, vec2(-1.0)), h = min(boxHigh, vec2(size + 1.0));
+    if (any(lessThan(boxLow, g_window - size)) || any(greaterThan(boxHigh, g_window + 2.0 * size))) {
+        // Far larger than the window: clipping by the rasteriser would move its edges. Cover its bounds inside it.
+        vec2 l = max(boxLow, g_window - 1.0), h = min(boxHigh, g_window + size + 1.0);
         emitRectangle(l, h, l, vec2(1.0, 0.0));
         return;
     }

@@ -1,5 +1,5 @@
-// World space to voxel units: the grid's lower corner is the scene's origin, so a position over the voxel edge is its
-// place in the grid.
+// World space to voxels of a level: the lattice begins at the scene's origin, so a position over the voxel edge is its place
+// in it.
 #include "shared/objects.glsl"
 
 uniform float u_inverseVoxelSize;

@@ -50,6 +50,21 @@ Command infoCommand(CLI::App& app) {
                 if (script) {
                     out["scene"] = describeScene(script->scene);
                     const Renderer renderer(*context, script->scene, script->settings);
+                    out["levels"] = json::array();
+                    std::uint64_t bytes = 0;
+                    for (const Renderer::Level& l : renderer.levels()) {
+                        out["levels"].push_back({{"level", l.level},
+                                                 {"kind", l.mip     ? "mip"
+                                                          : l.moves ? "follows the camera"
+                                                                    : "stays"},
+                                                 {"resolution", l.resolution},
+                                                 {"voxel_size_m", l.voxelSize},
+                                                 {"size_m", l.size},
+                                                 {"volume_bytes", l.volumeBytes},
+                                                 {"left_out", l.leftOut}});
+                        bytes += l.volumeBytes;
+                    }
+                    out["volume_bytes"] = bytes;
                     out["left_out"] = json::array();
                     for (const LeftOut& item : renderer.leftOut())
                         out["left_out"].push_back({{"what", item.what}, {"why", item.why}});
@@ -58,9 +73,21 @@ Command infoCommand(CLI::App& app) {
                     fmt::print("{}\n", out.dump(2));
                     return 0;
                 }
+                const json levels = out.value("levels", json::array());
+                out.erase("levels");
                 const json leftOut = out.value("left_out", json::array());
                 out.erase("left_out");
                 print(out, 0);
+                if (script) fmt::print("levels{}\n", levels.empty() ? "  none" : "");
+                for (const json& l : levels) {
+                    const auto why = l["left_out"].get<std::string>();
+                    fmt::print("  {}  {}³ voxels of {:.4g} m, {:.4g} m wide: {}\n", l["level"].get<int>(),
+                               l["resolution"].get<int>(), l["voxel_size_m"].get<double>(), l["size_m"].get<double>(),
+                               why.empty()
+                                   ? fmt::format("{}, volumes {:.1f} MB", l["kind"].get<std::string>(),
+                                                 static_cast<double>(l["volume_bytes"].get<std::uint64_t>()) / 1e6)
+                                   : "not allocated, " + why);
+                }
                 if (script) fmt::print("left_out{}\n", leftOut.empty() ? "  nothing" : "");
                 for (const json& item : leftOut)
                     fmt::print("  {}: {}\n", item["what"].get<std::string>(), item["why"].get<std::string>());

@@ -51,6 +51,25 @@ TemporalFrame temporalFrame(Renderer& renderer, const Camera& camera, const Sett
             renderer.channel("normal"), perspective * viewMatrix(camera)};
 }
 
+json changeJson(const TemporalChange& change) {
+    return {{"rms", change.rms}, {"mean", change.mean}, {"jump", change.jump()}, {"valid", change.valid}};
+}
+
+json figureJson(const TemporalFigure& figure) {
+    return {{"F", figure.f},
+            {"worst_jump", figure.worstJump},
+            {"worst_rms", figure.worstRms},
+            {"mean", figure.mean},
+            {"valid", figure.valid}};
+}
+
+json seamJson(const std::vector<SeamStep>& steps) {
+    json out = json::array();
+    for (const SeamStep& step : steps)
+        out.push_back({{"level", step.level}, {"pixels", step.pixels}, {"mean", step.mean}, {"rms", step.rms}});
+    return out;
+}
+
 }  // namespace
 
 json describeDevice(const gl::DeviceInfo& info) {
@@ -88,24 +107,30 @@ std::vector<fs::path> runCapture(const CaptureScript& script, gl::Context& conte
         stats["frames"] = json::array();
         renderer.invalidate();
         std::optional<TemporalFrame> before;
-        std::vector<TemporalChange> changes;
+        std::vector<TemporalChange> changes, lightChanges;
         for (int frame = shot.firstFrame; frame <= shot.lastFrame; ++frame) {
             const double time = shot.timeOf(frame);
             const Camera camera = cameraAt(shot, script.scene, time);
             if (moves(script.scene)) renderer.setTime(time);
-            renderer.render(camera);
+            TemporalChange light;
+            if (shot.temporal && frame > shot.firstFrame) {
+                light = lightChanges.emplace_back(renderer.renderAndCompare(camera));
+            } else {
+                renderer.render(camera);
+            }
             context.checkErrors();
             json& frameStats = stats["frames"].emplace_back(frameJson(renderer.stats(), frame, time));
             if (shot.temporal) {
                 TemporalFrame now = temporalFrame(renderer, camera, script.settings.output);
                 if (before) {
                     const TemporalChange change = changes.emplace_back(temporalChange(*before, now));
-                    frameStats["temporal"] = {
-                        {"rms", change.rms}, {"mean", change.mean}, {"jump", change.jump()}, {"valid", change.valid}};
+                    frameStats["temporal"] = changeJson(light);
+                    frameStats["temporal"]["picture"] = changeJson(change);
                 }
                 before = std::move(now);
             }
             for (const std::string& channel : shot.channels) {
+                if (channel == "seam") frameStats["seam"] = seamJson(renderer.seam());
                 const Image image = renderer.channel(channel);
                 writer.channel(shot, channel, frame, image,
                                channel == "beauty" ? renderer.display() : pictureOf(channel, image, script.settings));
@@ -113,9 +138,8 @@ std::vector<fs::path> runCapture(const CaptureScript& script, gl::Context& conte
             progress.update(static_cast<double>(++done) / frames);
         }
         if (shot.temporal) {
-            const TemporalFigure figure = temporalFigure(changes);
-            stats["temporal"] = {
-                {"F", figure.f}, {"worst_jump", figure.worstJump}, {"mean", figure.mean}, {"valid", figure.valid}};
+            stats["temporal"] = figureJson(temporalFigure(lightChanges));
+            stats["temporal"]["picture"] = figureJson(temporalFigure(changes));
         }
         writer.stats(shot, stats);
     }

@@ -4,11 +4,14 @@
 
 namespace voxcone {
 
-gl::Defines coneDefines(const Settings& settings, const Sky& sky) {
+gl::Defines coneDefines(const Settings& settings, const Voxels& voxels, const Sky& sky) {
     const auto is = [](bool value) { return value ? "1" : "0"; };
     const Settings::Cone& cone = settings.cone;
     return {
-        {"SIX_FACE", is(settings.voxel.storage == VoxelStorage::six_face)},
+        {"SIX_FACE", is(voxels.sixFace())},
+        {"SH1", is(settings.voxel.storage == VoxelStorage::sh1)},
+        {"CASCADES", is(voxels.layout.levels > 1)},
+        {"LAYERS", voxels.anyMoving() ? "2" : "1"},
         {"COMPOSITING_LINEAR", is(cone.compositing == Compositing::linear)},
         {"COMPOSITING_EXPONENTIAL", is(cone.compositing == Compositing::exponential)},
         {"COMPOSITING_ALPHA", is(cone.compositing == Compositing::alpha)},
@@ -19,19 +22,26 @@ gl::Defines coneDefines(const Settings& settings, const Sky& sky) {
     };
 }
 
-gl::Defines coneSetDefines(const Settings& settings, const Sky& sky, int cones) {
-    gl::Defines defines = coneDefines(settings, sky);
+gl::Defines coneSetDefines(const Settings& settings, const Voxels& voxels, const Sky& sky, int cones) {
+    gl::Defines defines = coneDefines(settings, voxels, sky);
     defines["CONES"] = std::to_string(cones);
     defines["SPIRAL"] = coneSet(cones).spiral ? "1" : "0";
     return defines;
 }
 
+void setContainmentUniforms(gl::Program& program, const Voxels& voxels, bool blend) {
+    voxels.setClipmapUniforms(program);
+    program.set("u_cascadeCenter", glm::vec3(voxels.center / voxels.layout.voxelSize));
+    program.set("u_cascadeRadius", voxels.radius());
+    program.set("u_cascadeBlend", blend ? 1.0f : 0.0f);
+    program.set("u_cascadeBand", voxels.layout.band * voxels.layout.resolution / voxels.layout.radius());
+}
+
 void setConeUniforms(gl::Program& program, const Settings& settings, const Sky& sky, const RadianceVolume& volume,
                      double step, int unit) {
-    const VoxelGrid& grid = volume.voxels->grid;
-    const float inverseVoxelSize = static_cast<float>(1 / grid.voxelSize);
-    program.set("u_resolution", grid.resolution);
-    program.set("u_levels", gridLevels(grid.resolution));
+    const Voxels& voxels = *volume.voxels;
+    const auto inverseVoxelSize = static_cast<float>(1 / voxels.layout.voxelSize);
+    program.set("u_coarsest", voxels.layout.count() - 1);
     program.set("u_coneStep", step);
     program.set("u_coneGain", settings.cone.gain);
     program.set("u_footprintCap", settings.cone.footprintCap);
@@ -42,17 +52,22 @@ void setConeUniforms(gl::Program& program, const Settings& settings, const Sky& 
     program.set("u_aoDistance", static_cast<float>(settings.ao.distance) * inverseVoxelSize);
     program.set("u_aoFalloff", static_cast<int>(settings.ao.falloff));
     program.set("u_radianceScale", volume.scale);
+    const auto [low, high] = voxels.readable();
+    program.set("u_readableLow", glm::vec3(low));
+    program.set("u_readableHigh", glm::vec3(high));
+    setContainmentUniforms(program, voxels);
 
+    volume.radiance->bindBase(GL_SHADER_STORAGE_BUFFER, kRadianceStorage);
     const auto bind = [&](const char* name, const gl::Texture& texture, int at) {
+        if (!texture) return;
         texture.bindTo(at);
         program.set(name, at);
     };
-    bind("u_radiance", *volume.radiance, unit);
-    if (volume.voxels->coveragePositive) {
-        bind("u_coveragePositive", volume.voxels->coveragePositive, unit + 1);
-        bind("u_coverageNegative", volume.voxels->coverageNegative, unit + 2);
-    }
-    if (sky.kind() == 2) bind("u_environment", *sky.panorama, unit + 3);
+    bind("u_coveragePositive", voxels.coveragePositive, unit);
+    bind("u_coverageNegative", voxels.coverageNegative, unit + 1);
+    bind("u_index", voxels.index, unit + 2);
+    bind("u_movingIndex", voxels.movingIndex, unit + 3);
+    if (sky.kind() == 2) bind("u_environment", *sky.panorama, unit + 4);
     program.set("u_environmentColor", sky.color);
     program.set("u_environmentRotation", sky.rotation);
 }

@@ -6,8 +6,8 @@ namespace voxcone {
 
 namespace {
 
-// The cones take four texture units, the G-buffer those behind, and one more is a pass' own.
-constexpr int kConeUnit = gl::kPassTextureUnit, kGBufferUnit = kConeUnit + 4, kOwnUnit = gl::kEnvironmentUnit;
+// The cones come first, the G-buffer behind them, and one more is a pass' own.
+constexpr int kConeUnit = gl::kPassTextureUnit, kGBufferUnit = kConeUnit + kConeUnits, kOwnUnit = gl::kEnvironmentUnit;
 constexpr int kOutputImage = 0;
 
 gl::Defines merged(gl::Defines a, const gl::Defines& b) {
@@ -23,30 +23,33 @@ void dispatchPixels(gl::Program& program, const gl::Texture& output, const char*
 }
 
 float inverseVoxelSize(const RadianceVolume& volume) {
-    return static_cast<float>(1 / volume.voxels->grid.voxelSize);
+    return static_cast<float>(1 / volume.voxels->layout.voxelSize);
 }
 
 }  // namespace
 
-DiffusePass::DiffusePass(const gl::ShaderLibrary& shaders, const Settings& settings, const Sky& sky,
-                         const gl::Defines& gbufferDefines, int width, int height)
+DiffusePass::DiffusePass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels,
+                         const Sky& sky, const gl::Defines& gbufferDefines, int width, int height)
     : settings_(settings) {
-    gl::Defines defines = merged(coneSetDefines(settings, sky, settings.cone.diffuse), gbufferDefines);
+    gl::Defines defines = merged(coneSetDefines(settings, voxels, sky, settings.cone.diffuse), gbufferDefines);
     defines["ROTATE"] = settings.cone.rotate ? "1" : "0";
     gather_ = shaders.compute("cone/diffuse.comp", defines);
     gl::Defines filterDefines = gbufferDefines;
     filterDefines["ROTATE"] = defines["ROTATE"];
+    filterDefines["CASCADES"] = defines["CASCADES"];
     filter_ = shaders.compute("cone/filter.comp", filterDefines);
     gathered_ = gl::Texture::create2D(GL_RGBA32F, width, height);
     diffuse_ = gl::Texture::create2D(GL_RGBA32F, width, height);
 }
 
 void DiffusePass::run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
-                      gl::PassTimers& timers) {
+                      gl::PassTimers& timers, SeamSide side) {
     {
         const auto pass = timers.pass("cones: diffuse");
         setConeUniforms(gather_, settings_, sky, volume, settings_.cone.step, kConeUnit);
         setConeSetUniforms(gather_, settings_.cone.diffuse);
+        setContainmentUniforms(gather_, *volume.voxels, side == SeamSide::blended);
+        gather_.set("u_coarserSide", side == SeamSide::coarser);
         gather_.set("u_inverseVoxelSize", inverseVoxelSize(volume));
         bindGBuffer(gather_, kGBufferUnit);
         dispatchPixels(gather_, gathered_, "u_gathered", GL_RGBA32F);
@@ -54,15 +57,17 @@ void DiffusePass::run(const RadianceVolume& volume, const Sky& sky, const BindGB
     const auto pass = timers.pass("cones: filter");
     gathered_.bindTo(kOwnUnit);
     filter_.set("u_gathered", kOwnUnit);
-    filter_.set("u_voxelSize", static_cast<float>(volume.voxels->grid.voxelSize));
+    setContainmentUniforms(filter_, *volume.voxels);
+    filter_.set("u_voxelSize", static_cast<float>(volume.voxels->layout.voxelSize));
     bindGBuffer(filter_, kGBufferUnit);
     dispatchPixels(filter_, diffuse_, "u_diffuse", GL_RGBA32F);
 }
 
-SpecularPass::SpecularPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Sky& sky,
-                           const gl::Defines& gbufferDefines, const gl::Texture& specularAlbedo, int width, int height)
+SpecularPass::SpecularPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels,
+                           const Sky& sky, const gl::Defines& gbufferDefines, const gl::Texture& specularAlbedo,
+                           int width, int height)
     : settings_(settings), specularAlbedo_(specularAlbedo) {
-    gl::Defines defines = merged(coneDefines(settings, sky), gbufferDefines);
+    gl::Defines defines = merged(coneDefines(settings, voxels, sky), gbufferDefines);
     defines["APERTURE_GGX"] = settings.specular.aperture == SpecularAperture::ggx ? "1" : "0";
     defines["AO_DISTANCE"] = "0";
     program_ = shaders.compute("cone/specular.comp", defines);
@@ -80,10 +85,10 @@ void SpecularPass::run(const RadianceVolume& volume, const Sky& sky, const BindG
     dispatchPixels(program_, specular_, "u_specular", GL_RGBA32F);
 }
 
-SoftShadowPass::SoftShadowPass(const gl::ShaderLibrary& shaders, const Settings& settings,
+SoftShadowPass::SoftShadowPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels,
                                const gl::Defines& gbufferDefines, int width, int height)
     : settings_(settings) {
-    gl::Defines defines = merged(coneDefines(settings, Sky{}), gbufferDefines);
+    gl::Defines defines = merged(coneDefines(settings, voxels, Sky{}), gbufferDefines);
     defines["AO_DISTANCE"] = "0";
     program_ = shaders.compute("cone/soft_shadow.comp", defines);
     visibility_ = gl::Texture::create2D(GL_R32F, width, height);

@@ -8,17 +8,21 @@
 
 namespace voxcone {
 
+/// What a surface reads where two levels of the clipmap blend: the blend, or one level alone.
+enum class SeamSide { blended, finer, coarser };
+
 /// Binds what frame/gbuffer.glsl reads to a program, at texture units from `firstUnit`.
 using BindGBuffer = std::function<void(gl::Program&, int firstUnit)>;
 
 class DiffusePass {
   public:
     /// `gbufferDefines`: those that frame/gbuffer.glsl is compiled with. Size in pixels of the G-buffer.
-    DiffusePass(const gl::ShaderLibrary& shaders, const Settings& settings, const Sky& sky,
+    DiffusePass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels, const Sky& sky,
                 const gl::Defines& gbufferDefines, int width, int height);
 
-    /// Passes "cones: diffuse" and "cones: filter".
-    void run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer, gl::PassTimers& timers);
+    /// Passes "cones: diffuse" and "cones: filter". `side`: without a blend, to measure the seam.
+    void run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer, gl::PassTimers& timers,
+             SeamSide side = SeamSide::blended);
 
     /// RGBA32F: indirect diffuse radiance towards the eye, W/(m² sr), and openness (1 on the background).
     const gl::Texture& texture() const { return diffuse_; }
@@ -33,7 +37,7 @@ class DiffusePass {
 class SpecularPass {
   public:
     /// `specularAlbedo`: light/specular_table.h; it must outlive this pass.
-    SpecularPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Sky& sky,
+    SpecularPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels, const Sky& sky,
                  const gl::Defines& gbufferDefines, const gl::Texture& specularAlbedo, int width, int height);
 
     /// Pass "cones: specular".
@@ -52,8 +56,8 @@ class SpecularPass {
 /// Visibility of one sphere or point of light through cones: the channel `soft_shadow`.
 class SoftShadowPass {
   public:
-    SoftShadowPass(const gl::ShaderLibrary& shaders, const Settings& settings, const gl::Defines& gbufferDefines,
-                   int width, int height);
+    SoftShadowPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels,
+                   const gl::Defines& gbufferDefines, int width, int height);
 
     /// Pass "cones: soft shadow". The light is at `position` (relative to the scene's origin, metres) with `radius`,
     /// or, when `directional`, lies towards `position` as a unit direction and `radius` is the sine of its angular

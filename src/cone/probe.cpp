@@ -8,17 +8,17 @@ namespace {
 constexpr int kProbeStorage = 4, kResultStorage = 5;  // shaders/cone/probe.comp
 }
 
-ConeProber::ConeProber(const gl::ShaderLibrary& shaders, const Settings& settings, const Sky& sky)
+ConeProber::ConeProber(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels, const Sky& sky)
     : settings_(settings),
-      program_(shaders.compute("cone/probe.comp", coneSetDefines(settings, sky, settings.cone.diffuse))) {}
+      program_(shaders.compute("cone/probe.comp", coneSetDefines(settings, voxels, sky, settings.cone.diffuse))) {}
 
 std::vector<ConeProbeResult> ConeProber::gather(const std::vector<ConeProbe>& probes, const RadianceVolume& volume,
                                                 const Sky& sky) {
     if (probes.empty()) return {};
-    const VoxelGrid& grid = volume.voxels->grid;
+    const Voxels& voxels = *volume.voxels;
     std::vector<glm::vec4> packed;
     for (const ConeProbe& probe : probes) {
-        packed.emplace_back((probe.position - grid.origin) / grid.voxelSize, 0);
+        packed.emplace_back((probe.position - voxels.origin) / voxels.layout.voxelSize, 0);
         packed.emplace_back(glm::normalize(probe.normal), 0);
     }
     const gl::Buffer points = gl::Buffer::of(packed);

@@ -20,7 +20,7 @@ struct ConeProbeResult {
 class ConeProber {
   public:
     /// The set is cone.diffuse; with cone.rotate its sixteen orientations are averaged, as the picture's filter does.
-    ConeProber(const gl::ShaderLibrary& shaders, const Settings& settings, const Sky& sky);
+    ConeProber(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels, const Sky& sky);
 
     std::vector<ConeProbeResult> gather(const std::vector<ConeProbe>& probes, const RadianceVolume& volume,
                                         const Sky& sky);

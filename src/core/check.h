@@ -7,11 +7,11 @@
 #include <cstdio>
 #include <cstdlib>
 
-#define VOXCONE_CHECK(condition, ...)                                                                         \
-    do {                                                                                                      \
-        if (!(condition)) {                                                                                   \
-            std::fprintf(stderr, "voxcone: bug: %s:%d: %s: %s\n", __FILE__, __LINE__, #condition,             \
-                         fmt::format(__VA_ARGS__).c_str());                                                   \
-            std::abort();                                                                                     \
-        }                                                                                                     \
+#define VOXCONE_CHECK(condition, ...)                                                             \
+    do {                                                                                          \
+        if (!(condition)) {                                                                       \
+            std::fprintf(stderr, "voxcone: bug: %s:%d: %s: %s\n", __FILE__, __LINE__, #condition, \
+                         fmt::format(__VA_ARGS__).c_str());                                       \
+            std::abort();                                                                         \
+        }                                                                                         \
     } while (false)

@@ -16,8 +16,8 @@ class Error : public std::runtime_error {
     ExitCode exitCode;
 };
 
-/// A file that cannot be used. `where` is a line number, a JSON path such as `meshes[0].primitives[1].indices`, or empty.
-/// The message reads "FILE: WHERE: REASON".
+/// A file that cannot be used. `where` is a line number, a JSON path such as `meshes[0].primitives[1].indices`, or
+/// empty. The message reads "FILE: WHERE: REASON".
 class InputError : public Error {
   public:
     InputError(const std::string& file, const std::string& where, const std::string& reason)

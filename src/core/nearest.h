@@ -23,8 +23,8 @@ inline std::size_t editDistance(const std::string& a, const std::string& b) {
     return row.back();
 }
 
-/// The word of `words` (not empty) that is nearest to `word`; the first of several. An abbreviation counts as one letter
-/// away from the whole.
+/// The word of `words` (not empty) that is nearest to `word`; the first of several. An abbreviation counts as one
+/// letter away from the whole.
 inline std::string nearestWord(const std::vector<std::string>& words, const std::string& word) {
     const auto distance = [&](const std::string& candidate) {
         const bool abbreviation = word.size() > 1 && candidate.starts_with(word);

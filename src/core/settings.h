@@ -12,9 +12,11 @@
 namespace voxcone {
 
 enum class ToneMap : int { linear, reinhard, aces };
-enum class VoxelStorage : int { isotropic, six_face };
+enum class VoxelStorage : int { isotropic, six_face, sh1 };
 enum class VoxelAveraging : int { integer_sum, compare_and_swap };
 enum class VoxelCoverage : int { area, binary };
+enum class CascadeCenter : int { camera, window };
+enum class CascadeUpdate : int { exact, budget };
 enum class Compositing : int { linear, exponential, alpha };
 enum class StartOffset : int { normal, nudge };
 enum class SpecularAperture : int { ggx, linear };
@@ -38,6 +40,14 @@ struct Settings {
         int margin = 2;
         double size = 0;
     } voxel;
+    struct Cascade {
+        int levels = 1;
+        int snap = 4;
+        double band = 0.1;
+        CascadeCenter center = CascadeCenter::camera;
+        CascadeUpdate update = CascadeUpdate::exact;
+        int budget = 1;
+    } cascade;
     struct Light {
         int shadowResolution = 2048;
         double shadowFilter = 1.5;

@@ -33,7 +33,8 @@ CameraView cameraView(const Camera& worldCamera, const glm::dvec3& origin, const
 /// as float (position is rebuilt from it), base colour and F90, dielectric F0, and emission where anything emits.
 /// Shaders read it with frame/gbuffer.glsl.
 ///  - Back faces of single-sided materials are not drawn; double-sided ones turn their normals to the camera.
-///  - MASK is tested against its cutoff. BLEND, and MASK where its texture is minified, is a deterministic screen door: a
+///  - MASK is tested against its cutoff. BLEND, and MASK where its texture is minified, is a deterministic screen door:
+///  a
 ///    hash of pixel, object and distance.
 class GBuffer {
   public:

@@ -1,10 +1,14 @@
 #include "frame/renderer.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
-#include "cascade/grid.h"
+#include "cascade/voxels.h"
 #include "cone/gather.h"
 #include "core/check.h"
+#include "frame/cascade_view.h"
 #include "frame/gbuffer.h"
 #include "frame/tonemap.h"
 #include "frame/voxel_view.h"
@@ -57,16 +61,20 @@ struct Renderer::Impl {
         const bool lights = !scene.lights.empty();
         if (lights) direct = std::make_unique<DirectPass>(shaders, gbuffer.defines(), width, height);
         if (gpuScene.empty()) return;
+        layout = layoutClipmap(scene.motionBounds(), settings);
         voxelizer = std::make_unique<Voxelizer>(context, shaders, gpuScene, settings);
-        field = std::make_unique<RadianceField>(shaders, settings, sky, lights);
-        diffuse = std::make_unique<DiffusePass>(shaders, settings, sky, gbuffer.defines(), width, height);
+        voxels = voxelizer->allocate(layout);
+        const bool exact = settings.cascade.update == CascadeUpdate::exact;
+        schedule = std::make_unique<ClipmapSchedule>(layout, exact ? 0 : settings.cascade.budget, gpuScene.anyMoving());
+        field = std::make_unique<RadianceField>(shaders, settings, voxels, sky, lights);
+        diffuse = std::make_unique<DiffusePass>(shaders, settings, voxels, sky, gbuffer.defines(), width, height);
         if (settings.specular.enabled && anySpecular()) {
             specularAlbedo = specularAlbedoTexture();
-            specular = std::make_unique<SpecularPass>(shaders, settings, sky, gbuffer.defines(), specularAlbedo, width,
-                                                      height);
+            specular = std::make_unique<SpecularPass>(shaders, settings, voxels, sky, gbuffer.defines(), specularAlbedo,
+                                                      width, height);
         }
         if (settings.shadow.cones && lights)
-            softShadow = std::make_unique<SoftShadowPass>(shaders, settings, gbuffer.defines(), width, height);
+            softShadow = std::make_unique<SoftShadowPass>(shaders, settings, voxels, gbuffer.defines(), width, height);
     }
 
     bool anySpecular() const {
@@ -75,26 +83,48 @@ struct Renderer::Impl {
         return false;
     }
 
-    /// The scene to voxels, shadow maps and lit voxels, when anything has changed.
-    void updateVoxels() {
-        const VoxelGrid grid =
-            fitGrid(gpuScene.bounds(), settings.voxel.resolution, settings.voxel.margin, settings.voxel.size);
-        gpuScene.setOrigin(grid.origin);
-        shadowMaps.update(gpuScene, timers);
-        if (voxelizer) {
-            voxels = voxelizer->voxelize(gpuScene, grid, timers);
-            field->update(
-                voxels, sky, [this](gl::Program& program) { shadowMaps.bind(program); }, timers);
+    /// Brings shadow maps, voxels and their light to the scene's time and the camera's place.
+    void updateVoxels(const glm::dvec3& eye) {
+        const glm::dvec3 origin = clipmapOrigin(layout, eye);
+        if (forgotten || origin != voxels.origin) {
+            forgotten = true;
+            voxels.origin = origin;
+            gpuScene.setOrigin(origin);
+            shadowMaps.invalidate();
+            if (schedule) schedule->reset();
         }
-        changed = false;
+        const bool light = shadowMaps.update(gpuScene, timers) || forgotten;
+        if (voxelizer) {
+            std::vector<Bounds> moved;
+            for (const Bounds& box : gpuScene.takeMoved()) moved.push_back({box.min - origin, box.max - origin});
+            const ClipmapUpdate update = schedule->next(eye - origin, moved);
+            voxels.center = eye - origin;
+            if (settings.cascade.center == CascadeCenter::window && layout.moves(0))
+                voxels.center = 0.5 * layout.voxelSize * glm::dvec3(update.windows[0].low + update.windows[0].high);
+            voxels.freshCount = 0;
+            voxels.trianglesDrawn = 0;
+            if (!update.empty()) voxelizer->update(gpuScene, update, voxels, timers);
+            const bool exact = settings.cascade.update == CascadeUpdate::exact;
+            if (light || !update.empty()) bouncesLeft = exact ? 0 : settings.light.bounces;
+            if (light || !update.empty() || bouncesLeft > 0) {
+                field->update(
+                    voxels, sky, {light, update.touches(layout.levels - 1), exact || update.all},
+                    [this](gl::Program& program) { shadowMaps.bind(program); }, timers);
+                bouncesLeft = std::max(bouncesLeft - 1, 0);
+            }
+        }
+        forgotten = false;
     }
 
-    /// The frame, pass by pass.
-    void render(const Camera& worldCamera) {
+    /// The frame, pass by pass. `change`: set to what the light of the frame before has become, if not null.
+    void render(const Camera& worldCamera, TemporalChange* change) {
+        Image before;
+        const bool compare = change && voxelizer && !voxels.windows.empty();
+        if (compare) before = gatheredBefore(worldCamera);
         timers.beginFrame();
         // Passes store into the images that the last frame fetched.
         gl::memoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-        if (changed) updateVoxels();
+        updateVoxels(worldCamera.position);
         gbuffer.draw(gpuScene, cameraView(worldCamera, gpuScene.origin(), gpuScene.bounds(), width, height), timers);
         const auto bindGBuffer = [this](gl::Program& program, int unit) { gbuffer.bind(program, unit); };
         std::vector<const gl::Texture*> layers;
@@ -116,10 +146,28 @@ struct Renderer::Impl {
         composite.run(gbuffer, sky, layers, settings.output.exposure, timers);
         timers.endFrame();
         collectStats();
+        if (compare) *change = changeInPlace(before, channel("indirect_diffuse"), channel("albedo"));
+    }
+
+    /// What this frame's surfaces would gather from the voxels of the last one.
+    Image gatheredBefore(const Camera& worldCamera) {
+        gl::PassTimers unused(gl::TimerMode::finish);
+        gbuffer.draw(gpuScene, cameraView(worldCamera, gpuScene.origin(), gpuScene.bounds(), width, height), unused);
+        gatherDiffuse(SeamSide::blended);
+        return channel("indirect_diffuse");
+    }
+
+    /// Gathers the diffuse light of the last G-buffer again, outside of the frame's times.
+    void gatherDiffuse(SeamSide side) {
+        gl::PassTimers unused(gl::TimerMode::finish);
+        gl::memoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+        diffuse->run(
+            field->volume(voxels), sky, [this](gl::Program& program, int unit) { gbuffer.bind(program, unit); }, unused,
+            side);
     }
 
     void runSoftShadow(const RadianceVolume& volume, const BindGBuffer& bindGBuffer) {
-        const Light light = worldLight(scene.lights.front(), gpuScene.worldMatrices());
+        const Light light = scene.lightsAt(gpuScene.time()).front();
         const bool directional = light.type == LightType::directional;
         // A rectangle as the disc of its area.
         const double radius =
@@ -146,21 +194,48 @@ struct Renderer::Impl {
         memory("g-buffer", gbuffer.bytes());
         if (direct) memory("direct light", direct->bytes());
         if (voxelizer) {
-            memory("voxel index", voxelizer->index().bytes());
-            memory("voxel lists", voxels.list.bytes() + voxels.faces.bytes() + voxels.coverage.bytes());
+            memory("voxel index", voxels.index.bytes() + voxels.movingIndex.bytes());
             memory("coverage volumes", voxels.coveragePositive.bytes() + voxels.coverageNegative.bytes());
-            memory("radiance volume and faces", field->bytes());
+            memory("voxel records", voxels.recordBytes());
+            memory("voxel radiance", field->bytes());
             memory("diffuse cones", diffuse->bytes());
             if (specular) memory("specular cones", specular->texture().bytes());
             if (softShadow) memory("soft shadow", softShadow->texture().bytes());
         }
         memory("beauty", composite.beauty().bytes());
         stats.counts["triangles"] = gpuScene.triangleCount();
-        stats.counts["voxels_occupied"] = voxels.count;
+        stats.counts["voxels_occupied"] = voxels.occupied();
+        for (int level = 0; field && level < layout.count(); ++level)
+            stats.counts[fmt::format("{}_{}_voxels", level < layout.levels ? "level" : "mip",
+                                     level < layout.levels ? level : level - layout.levels + 1)] =
+                field->records(level);
+        stats.counts["voxel_triangles_drawn"] = voxels.trianglesDrawn;
+        stats.counts["voxel_records_made"] = voxels.freshCount;
+        stats.counts["levels_waiting"] = schedule ? static_cast<std::uint64_t>(schedule->waiting()) : 0;
+        stats.counts["voxel_faces_lit"] = field ? field->activeFaces() : 0;
         stats.counts["voxel_fragments"] = voxels.counters.fragments;
         stats.counts["voxel_sums_saturated"] = voxels.counters.saturated;
         stats.counts["emission_clamped"] = voxels.counters.clamped;
         stats.counts["radiance_clamped"] = field ? field->clamped() : 0;
+    }
+
+    const gl::Texture& drawCascade() {
+        if (!cascadeView) cascadeView = std::make_unique<CascadeView>(shaders, gbuffer, voxels);
+        return cascadeView->draw(gbuffer, voxels);
+    }
+
+    /// Gathers the last frame again with either level alone where two blend, and once more as it was.
+    Seam seam() {
+        const int n = settings.output.supersample;
+        const Image none(settings.output.width, settings.output.height, 3);
+        if (!voxelizer || layout.levels < 2) return {Image(none.width, none.height, 1), {}};
+        const auto gathered = [&](SeamSide side) {
+            gatherDiffuse(side);
+            return readout.read(diffuse->texture(), 3, n);
+        };
+        const Image finer = gathered(SeamSide::finer), coarser = gathered(SeamSide::coarser);
+        gathered(SeamSide::blended);
+        return CascadeView::seam(finer, coarser, readout.read(drawCascade(), 4, n));
     }
 
     Image channel(const std::string& name) {
@@ -185,11 +260,16 @@ struct Renderer::Impl {
             std::fill(lit.data.begin(), lit.data.end(), 1.0f);
             return lit;
         }
+        if (name == "cascade") return layer(voxelizer ? &drawCascade() : nullptr, 3);
+        if (name == "seam") return seam().picture;
         if (name.rfind("voxel_", 0) == 0) {
-            if (!voxelView) voxelView = std::make_unique<VoxelView>(shaders, width, height);
             Image empty(settings.output.width, settings.output.height, 3);
             if (!voxelizer) return empty;
-            voxelView->draw(name, gbuffer.view(), voxels, voxelizer->index(), field->faces());
+            const auto colon = name.find(':');
+            const int level = colon == std::string::npos ? -1 : std::stoi(name.substr(colon + 1));
+            if (level >= layout.count()) return empty;
+            if (!voxelView) voxelView = std::make_unique<VoxelView>(shaders, voxels, width, height);
+            voxelView->draw(name.substr(0, colon), level, gbuffer.view(), field->volume(voxels), field->faces());
             return readout.read(voxelView->texture(), 3, n);
         }
         return gbuffer.channel(name, n);
@@ -209,7 +289,10 @@ struct Renderer::Impl {
     std::unique_ptr<DirectPass> direct;
     std::unique_ptr<Voxelizer> voxelizer;
     std::unique_ptr<RadianceField> field;
+    ClipmapLayout layout;
+    std::unique_ptr<ClipmapSchedule> schedule;
     Voxels voxels;
+    int bouncesLeft = 0;  ///< frames until light has settled, with an update budget
     std::unique_ptr<DiffusePass> diffuse;
     gl::Texture specularAlbedo;
     std::unique_ptr<SpecularPass> specular;
@@ -217,7 +300,8 @@ struct Renderer::Impl {
     Composite composite;
     Readout readout;
     std::unique_ptr<VoxelView> voxelView;
-    bool changed = true;
+    std::unique_ptr<CascadeView> cascadeView;
+    bool forgotten = true;  ///< nothing that was voxelized and lit before is of use
     FrameStats stats;
 };
 
@@ -228,11 +312,43 @@ Renderer::~Renderer() = default;
 void Renderer::setTime(double time) {
     if (time == impl_->gpuScene.time()) return;
     impl_->gpuScene.setTime(time);
-    impl_->changed = true;
 }
 
 void Renderer::render(const Camera& worldCamera) {
-    impl_->render(worldCamera);
+    impl_->render(worldCamera, nullptr);
+}
+
+TemporalChange Renderer::renderAndCompare(const Camera& worldCamera) {
+    TemporalChange change;
+    impl_->render(worldCamera, &change);
+    return change;
+}
+
+std::vector<SeamStep> Renderer::seam() {
+    return impl_->seam().steps;
+}
+
+std::vector<Renderer::Level> Renderer::levels() const {
+    const ClipmapLayout& layout = impl_->layout;
+    std::vector<Level> out;
+    if (!impl_->voxelizer) return out;
+    // The volumes hold whole boxes: a level's share of them is that of its texels.
+    const double texels = [&] {
+        double sum = 0;
+        for (int l = 0; l < layout.count(); ++l) sum += std::pow(layout.resolutionOf(l), 3);
+        return sum;
+    }();
+    for (int l = 0; l < layout.count(); ++l)
+        out.push_back({l, l >= layout.levels, layout.moves(l), layout.resolutionOf(l), layout.voxelSizeOf(l),
+                       layout.sizeOf(l),
+                       static_cast<std::uint64_t>(std::pow(layout.resolutionOf(l), 3) / texels *
+                                                  static_cast<double>(impl_->voxels.volumeBytes())),
+                       ""});
+    for (int l = layout.levels; l < layout.requestedLevels; ++l)
+        out.push_back({l, false, false, layout.resolution, layout.voxelSizeOf(l),
+                       layout.voxelSizeOf(l) * layout.resolution, 0,
+                       fmt::format("level {} holds the whole scene", layout.levels - 1)});
+    return out;
 }
 
 Image Renderer::channel(const std::string& name) {
@@ -246,7 +362,7 @@ Image Renderer::display() {
 
 void Renderer::invalidate() {
     impl_->shadowMaps.invalidate();
-    impl_->changed = true;
+    impl_->forgotten = true;
 }
 
 void Renderer::reverseDrawOrder() {

@@ -9,6 +9,7 @@
 
 #include "core/settings.h"
 #include "metric/image.h"
+#include "metric/temporal.h"
 #include "scene/scene.h"
 
 namespace voxcone {
@@ -35,6 +36,15 @@ struct FrameStats {
         counts;  ///< triangles, occupied voxels, fragments saturated, values clamped, …
 };
 
+/// The step in indirect diffuse light between the levels `level` and `level` + 1 of the clipmap, over the pixels where
+/// they blend. Each such pixel is gathered twice, with either level alone.
+struct SeamStep {
+    int level = 0;
+    std::uint64_t pixels = 0;
+    double mean = 0;  ///< signed, coarser minus finer, over the finer one's mean
+    double rms = 0;   ///< over the finer one's mean
+};
+
 /// Something that is not modelled, and why, for `voxcone info`.
 struct LeftOut {
     std::string what, why;
@@ -54,15 +64,35 @@ class Renderer {
     /// Moves animated nodes to `time`; voxels and shadow maps follow with the next frame.
     void setTime(double time);
 
-    /// Draws one frame into the device's channels. Voxels and shadow maps are rebuilt only when something moved.
+    /// Draws one frame into the device's channels. Voxels, shadow maps and bounces are renewed where the camera's or
+    /// the scene's motion asks for it.
     void render(const Camera& worldCamera);
 
+    /// The same, and how the indirect diffuse light of what this frame shows has changed since the last frame: the same
+    /// surface points are gathered with the voxels of both. Without a frame before, nothing has.
+    TemporalChange renderAndCompare(const Camera& worldCamera);
+
     /// Reads a channel of the last frame back, linear float at output resolution; names as in capture/script.h.
+    /// `cascade` is the colour of each surface's level, `seam` the step between two levels (frame/cascade_view.h).
     /// `beauty` is linear radiance scaled by the exposure, before the tone curve.
     Image channel(const std::string& name);
 
     /// Beauty through the tone curve, linear display-referred in [0,1].
     Image display();
+
+    /// The steps between levels in the last frame, which are gathered anew.
+    std::vector<SeamStep> seam();
+
+    /// The levels of the clipmap, for `voxcone info`.
+    struct Level {
+        int level = 0;
+        bool mip = false, moves = false;
+        int resolution = 0;
+        double voxelSize = 0, size = 0;  ///< metres
+        std::uint64_t volumeBytes = 0;
+        std::string leftOut;  ///< why it is not allocated; empty when it is
+    };
+    std::vector<Level> levels() const;
 
     /// Forgets the voxels, so that the next frame builds them again: for timing and for determinism tests.
     void invalidate();

@@ -7,22 +7,47 @@
 
 namespace voxcone {
 
-VoxelView::VoxelView(const gl::ShaderLibrary& shaders, int width, int height)
-    : program_(shaders.compute("frame/voxel_view.comp", {{"COMPARE_AND_SWAP", "0"}, {"EMISSION", "0"}})),
+VoxelView::VoxelView(const gl::ShaderLibrary& shaders, const Voxels& voxels, int width, int height)
+    : program_(shaders.compute("frame/voxel_view.comp", {{"LAYERS", voxels.anyMoving() ? "2" : "1"}})),
       picture_(gl::Texture::create2D(GL_RGBA32F, width, height)) {}
 
-void VoxelView::draw(const std::string& what, const CameraView& view, const Voxels& voxels, const gl::Texture& index,
+void VoxelView::draw(const std::string& what, int level, const CameraView& view, const RadianceVolume& volume,
                      const gl::Buffer& faceRadiance) {
     constexpr std::array kNames{"voxel_albedo", "voxel_normal", "voxel_radiance", "voxel_opacity"};
     const auto name = std::find(kNames.begin(), kNames.end(), what);
     VOXCONE_CHECK(name != kNames.end(), "no voxel view {}", what);
+    const Voxels& voxels = *volume.voxels;
+    const ClipmapLayout& layout = voxels.layout;
+    VOXCONE_CHECK(level < layout.count(), "level {} of {}", level, layout.count());
+
+    std::array<glm::vec3, 16> low{}, high{};
+    for (int l = 0; l < layout.count(); ++l) {
+        const auto i = static_cast<std::size_t>(l);
+        const double edge = static_cast<double>(1 << l);
+        low[i] = glm::dvec3(voxels.windows[i].low) * edge;
+        high[i] = glm::dvec3(voxels.windows[i].high) * edge;
+        if (level < 0 && layout.moves(l)) {
+            const glm::dvec3 c = voxels.center / layout.voxelSize;
+            low[i] = glm::max(low[i], glm::vec3(c - voxels.radius() * edge));
+            high[i] = glm::min(high[i], glm::vec3(c + voxels.radius() * edge));
+        }
+    }
+    voxels.setClipmapUniforms(program_);
     voxels.faces.bindBase(GL_SHADER_STORAGE_BUFFER, kFaceStorage);
     faceRadiance.bindBase(GL_SHADER_STORAGE_BUFFER, kRadianceStorage);
-    index.bindTo(gl::kPassTextureUnit);
+    voxels.index.bindTo(gl::kPassTextureUnit);
     program_.set("u_index", gl::kPassTextureUnit);
+    if (voxels.anyMoving()) {
+        voxels.movingIndex.bindTo(gl::kPassTextureUnit + 1);
+        program_.set("u_movingIndex", gl::kPassTextureUnit + 1);
+    }
     program_.set("u_what", static_cast<int>(name - kNames.begin()));
-    program_.set("u_resolution", voxels.grid.resolution);
-    program_.set("u_inverseVoxelSize", static_cast<float>(1 / voxels.grid.voxelSize));
+    program_.set("u_firstLevel", level < 0 ? 0 : level);
+    program_.set("u_lastLevel", level < 0 ? layout.levels - 1 : level);
+    program_.set("u_boxLow", std::span<const glm::vec3>(low));
+    program_.set("u_boxHigh", std::span<const glm::vec3>(high));
+    program_.set("u_inverseVoxelSize", static_cast<float>(1 / layout.voxelSize));
+    program_.set("u_radianceScale", volume.scale);
     program_.set("u_cameraPosition", view.position);
     program_.set("u_cameraRays", view.rays);
     // The picture of another kind may just have been fetched.

@@ -3,19 +3,20 @@
 
 #include <string>
 
+#include "cone/cone_uniforms.h"
 #include "frame/gbuffer.h"
-#include "voxelize/voxelizer.h"
 
 namespace voxcone {
 
 class VoxelView {
   public:
     /// Size in pixels of the G-buffer.
-    VoxelView(const gl::ShaderLibrary& shaders, int width, int height);
+    VoxelView(const gl::ShaderLibrary& shaders, const Voxels& voxels, int width, int height);
 
     /// `what`: voxel_albedo, voxel_normal, voxel_radiance (of the face that looks to the eye) or voxel_opacity (its
-    /// coverage). `faceRadiance` is RadianceField::faces().
-    void draw(const std::string& what, const CameraView& view, const Voxels& voxels, const gl::Texture& index,
+    /// coverage). `level`: all of one level or mip; −1 each level where cones read it. `faceRadiance` is
+    /// RadianceField::faces().
+    void draw(const std::string& what, int level, const CameraView& view, const RadianceVolume& volume,
               const gl::Buffer& faceRadiance);
 
     /// RGBA32F; 0 where no voxel is met.

@@ -38,11 +38,13 @@ void Buffer::upload(const void* data, std::size_t bytes, std::size_t offset) {
     glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes), data);
 }
 
-void Buffer::copyFrom(const Buffer& source) {
-    VOXCONE_CHECK(source.bytes_ == bytes_, "copy of {} bytes to {}", source.bytes_, bytes_);
+void Buffer::copyFrom(const Buffer& source, std::size_t bytes) {
+    VOXCONE_CHECK(bytes <= source.bytes_ && bytes <= bytes_, "copy of {} bytes from {} to {}", bytes, source.bytes_,
+                  bytes_);
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glBindBuffer(GL_COPY_READ_BUFFER, source.id());
     glBindBuffer(GL_COPY_WRITE_BUFFER, id());
-    glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(bytes_));
+    glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(bytes));
 }
 
 void Buffer::clear(std::uint32_t word) {

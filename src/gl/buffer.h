@@ -39,8 +39,8 @@ class Buffer {
     void bindRange(GLenum target, int index, std::size_t offset, std::size_t bytes) const;
 
     void upload(const void* data, std::size_t bytes, std::size_t offset = 0);
-    /// Copies all of `source`, which must have the same size, on the device.
-    void copyFrom(const Buffer& source);
+    /// Copies the first `bytes` of `source` to the beginning, on the device.
+    void copyFrom(const Buffer& source, std::size_t bytes);
     /// Sets all 32-bit words. The size must be a multiple of 4.
     void clear(std::uint32_t word = 0);
 

@@ -13,34 +13,59 @@ namespace voxcone {
 
 class RadianceField {
   public:
-    /// `lights`: the scene has analytic lights. Compiles for what settings and sky need.
-    RadianceField(const gl::ShaderLibrary& shaders, const Settings& settings, const Sky& sky, bool lights);
+    /// What has changed since the last update, beside the records of the last voxelization.
+    struct Change {
+        bool light = true;     ///< lights or shadows: direct light of all records is taken anew
+        bool coarsest = true;  ///< voxels of the last level, which is where light bounces
+        bool forget = true;    ///< bounces begin from nothing, so that the result depends on what is there alone; else
+                               ///< one more bounce is added to those of the updates before
+    };
+
+    /// `lights`: the scene has analytic lights. Compiles for what settings, voxels and sky need.
+    RadianceField(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels, const Sky& sky,
+                  bool lights);
 
     /// Lights `voxels`. `bindLights` binds what light/lights.glsl reads to the given program.
-    void update(const Voxels& voxels, const Sky& sky, const std::function<void(gl::Program&)>& bindLights,
-                gl::PassTimers& timers);
+    void update(const Voxels& voxels, const Sky& sky, const Change& change,
+                const std::function<void(gl::Program&)>& bindLights, gl::PassTimers& timers);
 
     /// Valid until the next update; `voxels` must still live.
-    RadianceVolume volume(const Voxels& voxels) const { return {&voxels, &volume_, scale_}; }
-    const gl::Texture& texture() const { return volume_; }
+    RadianceVolume volume(const Voxels& voxels) const { return {&voxels, sixFace_ ? &faces_ : &folded_, scale_}; }
 
     /// Radiances that were beyond the range of their storage at the last update.
     std::uint32_t clamped() const { return counters_.clamped; }
-    std::uint64_t bytes() const { return volume_.bytes() + radiance_.bytes() + direct_.bytes(); }
+    /// Records in use at a level or mip.
+    std::uint32_t records(int level) const { return counters_.records[level]; }
+    /// Faces of the last level: those that gather bounces.
+    std::uint32_t activeFaces() const { return counters_.activeFaces; }
+    std::uint64_t bytes() const {
+        return direct_.bytes() + gathered_.bytes() + faces_.bytes() + folded_.bytes() + list_.bytes();
+    }
 
-    /// RGB radiance and coverage of each face of each voxel, in the order of Voxels::list.
-    const gl::Buffer& faces() const { return radiance_; }
+    /// RGB radiance over volume().scale and coverage of each face of each slot, as half floats.
+    const gl::Buffer& faces() const { return faces_; }
 
   private:
-    void store(const Voxels& voxels);
+    using BindLights = std::function<void(gl::Program&)>;
+    void reserve(const Voxels& voxels);
+    void inject(const Voxels& voxels, bool all, const BindLights& bindLights);
+    void measure(const Voxels& voxels, const gl::Buffer& counters);
+    void bounce(const Voxels& voxels, const Sky& sky, int bounces, gl::Buffer& counters);
+    void spread(const Voxels& voxels, bool all);
+    void store(const Voxels& voxels, int firstLevel, bool all, bool count);
 
     Settings settings_;
-    bool lights_;
-    gl::Program inject_, bounce_, store_, mip_;
-    gl::Texture volume_;
-    gl::Buffer radiance_, direct_;
+    bool lights_, sixFace_;
+    gl::Program inject_, reset_, measure_, store_, bounce_, spread_, mip_, fold_;
+    gl::Buffer direct_;  ///< six RGB9E5 a slot: from lights and emission, W/(m² sr)
+    gl::Buffer
+        gathered_;       ///< six uvec2 a slot: mean incoming radiance over the hemisphere, over scale_, as half floats
+    gl::Buffer faces_;   ///< six uvec2 a slot
+    gl::Buffer folded_;  ///< what shaders/light/fold.comp makes of the faces, unless cones read those
+    gl::Buffer list_;    ///< faces of the last level
     VoxelCounters counters_;
-    float scale_ = 1;
+    float scale_ = 0;
+    bool stored_ = false;  ///< faces_ holds the light of all records but the new ones
 };
 
 }  // namespace voxcone

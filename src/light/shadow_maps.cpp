@@ -37,20 +37,20 @@ ShadowMaps::ShadowMaps(const gl::Context& context, const gl::ShaderLibrary& shad
     : context_(context), shaders_(shaders), settings_(settings) {}
 
 bool ShadowMaps::update(const gl::GpuScene& scene, gl::PassTimers& timers) {
-    const State now{scene.time(), scene.origin()};
+    const State now{scene.anyMoving() ? scene.time() : 0, scene.scene().lightsAt(scene.time()), scene.origin()};
     if (state_ == now) return false;
     state_ = now;
     layOut(scene);
-    if (layout_.views.empty()) return false;
+    if (layout_.views.empty()) return !layout_.lights.empty();
     const auto pass = timers.pass("shadow_maps");
     draw(scene);
     return true;
 }
 
 void ShadowMaps::layOut(const gl::GpuScene& scene) {
-    std::vector<Light> lights;
-    for (const Light& light : scene.scene().lights) lights.push_back(worldLight(light, scene.worldMatrices()));
-    layout_ = layoutLights(lights, scene.bounds(), scene.origin(), settings_.shadowResolution, settings_.shadowFilter,
+    // Bounds over all times: texels stay where they are while things move.
+    if (!bounds_) bounds_ = scene.scene().motionBounds();
+    layout_ = layoutLights(state_->lights, *bounds_, scene.origin(), settings_.shadowResolution, settings_.shadowFilter,
                            context_.info().max2DTextureSize);
     if (layout_.shrunk > 0) {
         log::warn("{} shadow maps are drawn at {} of light.shadow_resolution to fit in one texture",

@@ -30,7 +30,8 @@ class ShadowMaps {
     ShadowMaps(const gl::Context& context, const gl::ShaderLibrary& shaders, const Settings::Light& settings);
 
     /// Brings lights and maps to the time and origin of `scene`; does nothing when they have not changed since. The
-    /// draw is the pass "shadow_maps". True when maps were drawn. Throws DeviceError when they do not fit in memory.
+    /// draw is the pass "shadow_maps". True when light or shadow has changed. Throws DeviceError when they do not fit
+    /// in memory.
     bool update(const gl::GpuScene& scene, gl::PassTimers& timers);
 
     /// Draws again with the next update(), for timing.
@@ -52,7 +53,8 @@ class ShadowMaps {
     void draw(const gl::GpuScene& scene);
 
     struct State {
-        double time;
+        double time;                ///< of what moves
+        std::vector<Light> lights;  ///< in the world
         glm::dvec3 origin;
         bool operator==(const State&) const = default;
     };
@@ -60,7 +62,8 @@ class ShadowMaps {
     const gl::Context& context_;
     const gl::ShaderLibrary& shaders_;
     Settings::Light settings_;
-    std::optional<State> state_;  ///< of the maps; none yet, or forgotten
+    std::optional<Bounds> bounds_;  ///< of the scene over all times
+    std::optional<State> state_;    ///< of the maps; none yet, or forgotten
     LightLayout layout_;
     gl::Texture atlas_;
     gl::Buffer lightBuffer_, viewBuffer_;

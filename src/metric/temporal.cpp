@@ -99,6 +99,24 @@ TemporalChange temporalChange(const TemporalFrame& before, const TemporalFrame& 
             static_cast<double>(pixels) / (static_cast<double>(width) * height)};
 }
 
+TemporalChange changeInPlace(const Image& before, const Image& now, const Image& albedo) {
+    VOXCONE_CHECK(before.data.size() == now.data.size() && now.data.size() == albedo.data.size(), "{} {} {} values",
+                  before.data.size(), now.data.size(), albedo.data.size());
+    double squared = 0, change = 0, sum = 0;
+    std::size_t values = 0;
+    for (std::size_t i = 0; i < now.data.size(); ++i) {
+        const double a = static_cast<double>(albedo.data[i]);
+        if (!(a > kLeastAlbedo)) continue;
+        const double old = static_cast<double>(before.data[i]) / a;
+        const double difference = static_cast<double>(now.data[i]) / a - old;
+        squared += difference * difference, change += difference, sum += old;
+        ++values;
+    }
+    if (values == 0) return {};
+    const auto n = static_cast<double>(values);
+    return {std::sqrt(squared / n), change / n, sum / n, n / static_cast<double>(now.data.size())};
+}
+
 TemporalFigure temporalFigure(const std::vector<TemporalChange>& changes) {
     TemporalFigure out;
     double squared = 0;
@@ -108,6 +126,7 @@ TemporalFigure temporalFigure(const std::vector<TemporalChange>& changes) {
         if (change.valid == 0) continue;
         squared += change.rms * change.rms, out.mean += change.mean;
         out.worstJump = std::max(out.worstJump, change.jump());
+        if (change.mean > 0) out.worstRms = std::max(out.worstRms, change.rms / change.mean);
         ++counted;
     }
     if (counted == 0) return out;

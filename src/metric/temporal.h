@@ -34,10 +34,15 @@ struct TemporalChange {
 /// by component, also of the four. Surfaces that move by themselves are compared as if they stood still, or left out.
 TemporalChange temporalChange(const TemporalFrame& before, const TemporalFrame& now);
 
+/// The same without a warp: two pictures of the indirect diffuse light of the same surface points, pixel by pixel,
+/// where `albedo` is above 0.02 by component.
+TemporalChange changeInPlace(const Image& before, const Image& now, const Image& albedo);
+
 /// Figures of a whole shot, over those of its changes that have valid pixels.
 struct TemporalFigure {
     double f = 0;          ///< root of the mean of rms² over frames, over `mean`
     double worstJump = 0;  ///< largest jump
+    double worstRms = 0;   ///< largest rms, over its frame's mean
     double mean = 0;       ///< mean irradiance over frames
     double valid = 0;      ///< mean share of valid pixels, over all changes
 };

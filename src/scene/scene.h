@@ -121,6 +121,7 @@ struct LightTrack {
     Track position;   ///< metres
     Track direction;  ///< of any length above 0
     Track intensity;  ///< of the light's own unit; values below 0 count as 0
+    bool operator==(const LightTrack&) const = default;
 };
 
 enum class LightType : int { directional, point, spot, sphere, rectangle };
@@ -143,6 +144,7 @@ struct Light {
     double radius = 0;                                               ///< sphere, metres
     double width = 0, height = 0;                                    ///< rectangle, metres
     LightTrack track;
+    bool operator==(const Light&) const = default;
 };
 
 /// Perspective camera looking along −z of its frame. In world space when `node` < 0.

@@ -37,6 +37,7 @@ struct Track {
     /// Value at `time` seconds; the track must not be empty. catmull_rom: cubic Hermite with tangents
     /// (v[i+1] − v[i−1]) / (t[i+1] − t[i−1]), one-sided at the ends (Catmull and Rom 1974, for uneven times).
     glm::dvec3 at(double time) const;
+    bool operator==(const Track&) const = default;
 };
 
 }  // namespace voxcone

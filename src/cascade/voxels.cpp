@@ -1,0 +1,57 @@
+#include "cascade/voxels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/check.h"
+
+namespace voxcone {
+
+std::uint64_t Voxels::volumeBytes() const {
+    return index.bytes() + movingIndex.bytes() + coveragePositive.bytes() + coverageNegative.bytes();
+}
+
+std::uint64_t Voxels::recordBytes() const {
+    return places.bytes() + faces.bytes() + emission.bytes() + coverage.bytes() + freeSlots.bytes() + fresh.bytes();
+}
+
+double Voxels::radius() const {
+    double radius = layout.radius();
+    // Not of the last level: what may be read there is readable(), and one that moves has a wider snap of its own.
+    for (int level = 0; level < layout.levels - 1; ++level) {
+        const VoxelBox& window = windows[static_cast<std::size_t>(level)];
+        const glm::dvec3 c = center / layout.voxelSizeOf(level);
+        const glm::dvec3 reach = glm::min(c - glm::dvec3(window.low), glm::dvec3(window.high) - c);
+        radius = std::min(radius, std::min({reach.x, reach.y, reach.z}) - 1);
+    }
+    // A camera that no index can follow reads the last level alone.
+    return std::max(radius, 1e-3);
+}
+
+std::pair<glm::dvec3, glm::dvec3> Voxels::readable() const {
+    const int last = layout.levels - 1;
+    const VoxelBox& window = windows[static_cast<std::size_t>(last)];
+    const double scale = static_cast<double>(1 << last);
+    const glm::dvec3 low = glm::dvec3(window.low) * scale, high = glm::dvec3(window.high) * scale;
+    if (layout.fixedLast) return {low, high};
+    // The part of the window that does not depend on where the snap has put it, and no border of it.
+    const double half = layout.lastRadius() * scale, border = static_cast<double>(1 << layout.mips) / 2 * scale;
+    const glm::dvec3 c = center / layout.voxelSize;
+    return {glm::max(low + border, c - half), glm::min(high - border, c + half)};
+}
+
+void Voxels::setClipmapUniforms(gl::Program& program) const {
+    program.set("u_resolution", layout.resolution);
+    program.set("u_levels", layout.levels);
+    program.set("u_firstFixed", layout.firstFixed());
+    program.set("u_rows", ClipmapVolume(layout, 0).rows);
+    std::array<glm::ivec3, 16> lows{};
+    VOXCONE_CHECK(windows.size() <= lows.size(), "{} levels", windows.size());
+    for (std::size_t l = 0; l < windows.size(); ++l) lows[l] = windows[l].low;
+    program.set("u_windowLow", std::span<const glm::ivec3>(lows));
+}
+
+}  // namespace voxcone

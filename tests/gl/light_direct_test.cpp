@@ -557,9 +557,33 @@ TEST_F(LightDirect, MapsAreKeptWhileNothingMoves) {
     gl::PassTimers timers(gl::TimerMode::finish);
     EXPECT_FALSE(lab.maps().update(lab.gpuScene(), timers));
     lab.gpuScene().setTime(1);
-    EXPECT_TRUE(lab.maps().update(lab.gpuScene(), timers));
+    EXPECT_FALSE(lab.maps().update(lab.gpuScene(), timers)) << "time alone moves nothing";
     lab.maps().invalidate();
     EXPECT_TRUE(lab.maps().update(lab.gpuScene(), timers));
+}
+
+TEST_F(LightDirect, MapsFollowWhatMoves) {
+    // The box leaves the point that it shades.
+    Scene movingBox = boxOnFloor(directional({-1, -1, 0}));
+    movingBox.nodes[1].hasMatrix = false;
+    AnimationChannel channel;
+    channel.node = 1;
+    channel.times = {0, 1};
+    channel.values = {glm::vec4(0, 0.5f, 0, 0), glm::vec4(5, 0.5f, 0, 0)};
+    movingBox.animations.push_back({"", {channel}});
+    // The light turns until it shades another one.
+    Scene movingLight = boxOnFloor(directional({-1, -1, 0}));
+    movingLight.lights[0].track.direction = {Interpolation::linear, {0, 1}, {{-1, -1, 0}, {1, -1, 0}}};
+    gl::PassTimers timers(gl::TimerMode::finish);
+    for (const Scene& scene : {movingBox, movingLight}) {
+        LightLab lab(scene);
+        const std::vector<Receiver> receiver{{{-1, 0, 0}, kUp}};
+        EXPECT_EQ(lab.irradiance(receiver)[0].x, 0);
+        lab.gpuScene().setTime(1);
+        EXPECT_TRUE(lab.maps().update(lab.gpuScene(), timers));
+        EXPECT_NEAR(lab.irradiance(receiver)[0].x, std::sqrt(0.5), 1e-5);
+        EXPECT_FALSE(lab.maps().update(lab.gpuScene(), timers));
+    }
 }
 
 TEST_F(LightDirect, OnlyWhatIsNeeded) {

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <random>
 
+#include "cascade/buffers.h"
+#include "cascade/clipmap.h"
 #include "cone/cone_set.h"
 #include "cone/cone_uniforms.h"
 #include "core/rgb9e5.h"
@@ -16,7 +18,6 @@
 #include "scene/environment.h"
 #include "scene/light_math.h"
 #include "support/gl_context.h"
-#include "voxelize/buffers.h"
 
 namespace voxcone {
 namespace {
@@ -270,72 +271,205 @@ TEST_F(Twins, Rgb9e5) {
 TEST_F(Twins, Records) {
     for (const bool cas : {false, true})
         for (const bool emission : {false, true}) {
-            gl::Program sizes = compile("#include \"voxelize/records.glsl\"\n", "put(uint(kFaceWords));",
+            gl::Program sizes = compile("#include \"voxelize/sums.glsl\"\n", "put(uint(kFaceWords));",
                                         {{"COMPARE_AND_SWAP", cas ? "1" : "0"}, {"EMISSION", emission ? "1" : "0"}});
             EXPECT_EQ(run(sizes, {0}, 1, 1)[0], static_cast<std::uint32_t>(faceWords(cas, emission)));
         }
-    gl::Program program = compile("#include \"voxelize/records.glsl\"\n", R"(
+    gl::Program program = compile("#include \"cascade/records.glsl\"\n", R"(
     vec3 a = nextVec3();
-    uint x = nextUint(), y = nextUint(), z = nextUint(), bits = nextUint();
+    uint x = nextUint(), y = nextUint(), z = nextUint(), level = nextUint(), moving = nextUint();
+    uint bits = nextUint(), other = nextUint();
     put(packAlbedo(a)); put(unpackAlbedo(bits)); put(packPosition(a)); put(unpackPosition(bits));
-    uint voxel = packVoxel(ivec3(x, y, z));
-    put(voxel);
-    ivec3 back = unpackVoxel(voxel);
-    put(uint(back.x)); put(uint(back.y)); put(uint(back.z));
-    put(uint(faceHoldsSurface(FaceRecord(0u, 0u, bits, 0u))));
+    put(packCoverage(a)); put(unpackCoverage(bits));
+    for (int f = 0; f < 6; ++f) put(faceCoverage(uvec2(bits, other), f));
+    uvec2 both = addCoverage(uvec2(bits, other), uvec2(other, packCoverage(a)));
+    put(both.x); put(both.y);
+    put(packPlace(ivec3(x, y, z), int(level), int(moving)));
+    ivec3 texel = placeTexel(bits);
+    put(uint(texel.x)); put(uint(texel.y)); put(uint(texel.z));
+    put(uint(placeLevel(bits))); put(uint(placeMoves(bits))); put(uint(placeInUse(bits)));
+    put(uint(faceHoldsSurface(FaceRecord(0u, 0u, bits))));
 )",
                                   {{"COMPARE_AND_SWAP", "0"}, {"EMISSION", "0"}});
     struct Input {
         glm::vec3 a;
-        glm::uvec3 voxel;
-        std::uint32_t bits;
+        glm::uvec3 texel;
+        std::uint32_t level, moving, bits, other;
     };
-    std::vector<Input> inputs{{glm::vec3(0), {0, 0, 0}, 0},
-                              {glm::vec3(1), {1023, 1023, 1023}, ~0u},
-                              {glm::vec3(-1, 2, 0.5f), {511, 0, 1023}, 0x80000000u}};
+    std::vector<Input> inputs{{glm::vec3(0), {0, 0, 0}, 0, 0, 0, 0},
+                              {glm::vec3(1), {255, 255, 255}, 15, 1, ~0u, ~0u},
+                              {glm::vec3(-1, 2, 0.5f), {127, 0, 255}, 7, 0, 0x80000000u, 1}};
+    const auto word = [&](std::uint32_t count) { return static_cast<std::uint32_t>(random_()) % count; };
     for (int i = 0; i < 10000; ++i)
         inputs.push_back({1.1f * color() - 0.05f,
-                          {random_() % 1024, random_() % 1024, random_() % 1024},
+                          {word(256), word(256), word(256)},
+                          word(16),
+                          word(2),
+                          static_cast<std::uint32_t>(random_()),
                           static_cast<std::uint32_t>(random_())});
     Words words;
     for (const Input& in : inputs) {
         push(words, in.a);
-        words.insert(words.end(), {in.voxel.x, in.voxel.y, in.voxel.z, in.bits});
+        words.insert(words.end(), {in.texel.x, in.texel.y, in.texel.z, in.level, in.moving, in.bits, in.other});
     }
-    const Words out = run(program, words, 7, 13);
+    const Words out = run(program, words, 10, 28);
     Results results{out};
     for (const Input& in : inputs) {
         ASSERT_EQ(results.nextUint(), packAlbedo(in.a));
         expectNear(results.next3(), unpackAlbedo(in.bits), 2e-7f, 0);
         ASSERT_EQ(results.nextUint(), packPosition(in.a));
         expectNear(results.next3(), unpackPosition(in.bits), 2e-7f, 0);
-        ASSERT_EQ(results.nextUint(), packVoxel(glm::ivec3(in.voxel)));
-        for (int k = 0; k < 3; ++k) ASSERT_EQ(results.nextUint(), in.voxel[k]);
-        EXPECT_EQ(unpackVoxel(packVoxel(glm::ivec3(in.voxel))), glm::ivec3(in.voxel));
+        const glm::vec3 inside = glm::clamp(in.a, glm::vec3(0), glm::vec3(1));
+        const std::uint32_t coverage = results.nextUint();
+        for (int k = 0; k < 3; ++k) ASSERT_NEAR(unpackCoverage(coverage)[k], inside[k], 1.0001 / 2046);
+        expectNear(results.next3(), unpackCoverage(in.bits), 2e-7f, 0);
+        for (int f = 0; f < 6; ++f) expectNear(results.next(), faceCoverage({in.bits, in.other}, f), 2e-7f, 0);
+        for (const auto& [a, b] : {std::pair(in.bits, in.other), std::pair(in.other, coverage)}) {
+            // Whole steps, so that the sum is exact up to the clamp.
+            const std::uint32_t sum = results.nextUint();
+            for (int k = 0; k < 3; ++k) {
+                const int shift = 10 * k;
+                ASSERT_EQ(sum >> shift & 1023u, std::min((a >> shift & 1023u) + (b >> shift & 1023u), 1023u));
+            }
+        }
+        const glm::ivec3 texel(in.texel);
+        const int level = static_cast<int>(in.level);
+        const std::uint32_t place = results.nextUint();
+        ASSERT_EQ(place, packPlace(texel, level, in.moving != 0));
+        EXPECT_EQ(placeTexel(place), texel);
+        EXPECT_EQ(placeLevel(place), level);
+        EXPECT_EQ(placeMoves(place), in.moving != 0);
+        EXPECT_TRUE(placeInUse(place));
+        for (int k = 0; k < 3; ++k) ASSERT_EQ(static_cast<int>(results.nextUint()), placeTexel(in.bits)[k]);
+        ASSERT_EQ(static_cast<int>(results.nextUint()), placeLevel(in.bits));
+        ASSERT_EQ(results.nextUint() != 0, placeMoves(in.bits));
+        ASSERT_EQ(results.nextUint() != 0, placeInUse(in.bits));
         FaceRecord face;
         face.position = in.bits;
         ASSERT_EQ(results.nextUint() != 0, faceHoldsSurface(face));
-        const glm::vec3 inside = glm::clamp(in.a, glm::vec3(0), glm::vec3(1));
         EXPECT_LT(glm::distance(unpackAlbedo(packAlbedo(in.a)), inside), 1e-3f);
         EXPECT_LT(glm::distance(unpackPosition(packPosition(in.a)), inside), 1e-3f);
     }
+    EXPECT_EQ(results.at, out.size());
 }
 
 TEST_F(Twins, Counters) {
     gl::Program program = compile(
-        "#include \"voxelize/buffers.glsl\"\n"
+        "#include \"cascade/buffers.glsl\"\n"
         "layout(std430, binding = COUNTER_STORAGE) buffer Counters { VOXEL_COUNTERS };\n",
-        "b_occupied = 1u; b_saturated = 2u; b_fragments = 3u; b_clamped = 4u; b_brightest = 5u;");
+        "b_fresh = 1u; b_freshOfLayer[0] = 2u; b_freshOfLayer[1] = 3u; b_freeCount = 4u; b_saturated = 5u;"
+        "b_fragments = 6u; b_clamped = 7u; b_brightest = 8u; b_activeFaces = 9u;"
+        "for (int i = 0; i < 6; ++i) b_added[i] = uint(10 + i);");
     gl::Buffer counters(sizeof(VoxelCounters));
     counters.clear();
     counters.bindBase(GL_SHADER_STORAGE_BUFFER, kCounterStorage);
     run(program, {0}, 1, 1);
     const VoxelCounters c = counters.read<VoxelCounters>()[0];
-    EXPECT_EQ(c.occupied, 1u);
-    EXPECT_EQ(c.saturated, 2u);
-    EXPECT_EQ(c.fragments, 3u);
-    EXPECT_EQ(c.clamped, 4u);
-    EXPECT_EQ(c.brightest, 5u);
+    EXPECT_EQ(c.fresh, 1u);
+    EXPECT_EQ(c.freshOfLayer[0], 2u);
+    EXPECT_EQ(c.freshOfLayer[1], 3u);
+    EXPECT_EQ(c.freeCount, 4u);
+    EXPECT_EQ(c.saturated, 5u);
+    EXPECT_EQ(c.fragments, 6u);
+    EXPECT_EQ(c.clamped, 7u);
+    EXPECT_EQ(c.brightest, 8u);
+    EXPECT_EQ(c.activeFaces, 9u);
+    for (std::uint32_t i = 0; i < 6; ++i) EXPECT_EQ(c.added[i], 10 + i);
+}
+
+TEST_F(Twins, StorageBlocks) {
+    // The block of each macro, by the names that the headers share.
+    gl::Program program = compile("#include \"cascade/buffers.glsl\"\n", R"(
+    put(uint(COUNTER_STORAGE)); put(uint(PLACE_STORAGE)); put(uint(FACE_STORAGE)); put(uint(COVERAGE_STORAGE));
+    put(uint(FREE_STORAGE)); put(uint(EMISSION_STORAGE)); put(uint(FRESH_STORAGE)); put(uint(SUM_STORAGE));
+    put(uint(LIST_STORAGE)); put(uint(DIRECT_STORAGE)); put(uint(RADIANCE_STORAGE)); put(uint(LIT_STORAGE));
+    put(uint(GATHERED_STORAGE));
+)");
+    const Words expected{kCounterStorage,  kPlaceStorage, kFaceStorage,    kCoverageStorage, kFreeStorage,
+                         kEmissionStorage, kFreshStorage, kSumStorage,     kListStorage,     kDirectStorage,
+                         kRadianceStorage, kLitStorage,   kGatheredStorage};
+    EXPECT_EQ(run(program, {0}, 1, expected.size()), expected);
+}
+
+TEST_F(Twins, ClipmapVolumes) {
+    gl::Program program = compile("#include \"cascade/clipmap.glsl\"\n", R"(
+    ivec3 i = ivec3(int(nextUint()), int(nextUint()), int(nextUint()));
+    int level = int(nextUint());
+    ivec3 texel = levelTexel(i, level), plain = levelOrigin(level, 0), bordered = levelOrigin(level, 1);
+    for (int k = 0; k < 3; ++k) { put(uint(texel[k])); put(uint(plain[k])); put(uint(bordered[k])); }
+    put(uint(levelResolution(level)));
+)");
+    int columns = 0;
+    for (const int resolution : {16, 32, 64, 128, 256})
+        for (int levels = 1; levels <= 8; ++levels)
+            for (const bool fixedLast : {true, false}) {
+                ClipmapLayout layout;
+                layout.resolution = resolution;
+                layout.levels = levels;
+                layout.mips = fixedLast ? std::countr_zero(static_cast<unsigned>(resolution)) - 2 : 3;
+                if (resolution >> layout.mips < 1) continue;
+                const ClipmapVolume plain(layout, 0), bordered(layout, 1);
+                columns = std::max(columns, plain.rows < levels ? 2 : 1);
+                ASSERT_EQ(plain.rows, bordered.rows) << resolution << " " << levels << ": one uniform serves both";
+                program.set("u_resolution", resolution);
+                program.set("u_levels", levels);
+                program.set("u_firstFixed", layout.firstFixed());
+                program.set("u_rows", plain.rows);
+                std::vector<std::pair<glm::ivec3, int>> inputs;
+                std::uniform_int_distribution<int> index(-2'000'000, 2'000'000), nearby(-3, resolution + 3);
+                for (int level = 0; level < layout.count(); ++level)
+                    for (int k = 0; k < 40; ++k) {
+                        auto& from = k % 2 ? index : nearby;
+                        inputs.emplace_back(glm::ivec3(from(random_), from(random_), from(random_)), level);
+                    }
+                Words words;
+                for (const auto& [i, level] : inputs)
+                    for (const int value : {i.x, i.y, i.z, level}) words.push_back(static_cast<std::uint32_t>(value));
+                const Words out = run(program, words, 4, 10);
+                Results results{out};
+                for (const auto& [i, level] : inputs) {
+                    const glm::ivec3 texel = plain.texel(i, level);
+                    for (int k = 0; k < 3; ++k) {
+                        ASSERT_EQ(static_cast<int>(results.nextUint()), texel[k]);
+                        ASSERT_EQ(static_cast<int>(results.nextUint()), plain.levelOrigin(level)[k]);
+                        ASSERT_EQ(static_cast<int>(results.nextUint()), bordered.levelOrigin(level)[k]);
+                        ASSERT_GE(texel[k], 0);
+                        ASSERT_LT(texel[k], plain.size()[k]);
+                        ASSERT_LT(bordered.texel(i, level)[k] + 1, bordered.size()[k]);
+                    }
+                    ASSERT_EQ(static_cast<int>(results.nextUint()), layout.resolutionOf(level));
+                }
+            }
+    EXPECT_EQ(columns, 2) << "no layout needs a second column";
+}
+
+TEST_F(Twins, ContainmentLevel) {
+    gl::Program program =
+        compile("#include \"cascade/containment.glsl\"\n", "put(containmentLevel(nextVec3()));", {{"CASCADES", "1"}});
+    for (const int levels : {2, 3, 8})
+        for (const float band : {0.001f, 0.1f, 0.4f}) {
+            const glm::vec3 center(uniform(-50, 50), uniform(-50, 50), uniform(-50, 50));
+            const float radius = uniform(5, 60);
+            program.set("u_levels", levels);
+            program.set("u_cascadeCenter", center);
+            program.set("u_cascadeRadius", radius);
+            program.set("u_cascadeBand", band);
+            program.set("u_cascadeBlend", 1.0f);
+            std::vector<glm::vec3> points{center};
+            for (int i = 0; i < 4000; ++i) points.push_back(center + radius * std::exp2(uniform(-2, 9)) * unit());
+            Words words;
+            for (const glm::vec3& p : points) push(words, p);
+            const Words out = run(program, words, 3, 1);
+            Results results{out};
+            int blended = 0;
+            for (const glm::vec3& p : points) {
+                const float twin = containmentLevel(p - center, radius, band, levels);
+                // The slope in the band is its inverse, and a division may be off by some units in the last place.
+                ASSERT_NEAR(results.next(), twin, 1e-6f / band) << p.x << " " << p.y << " " << p.z;
+                blended += twin != std::floor(twin);
+            }
+            EXPECT_GT(blended, band > 0.01f ? 20 : 0) << levels << " " << band;
+        }
 }
 
 TEST_F(Twins, ConeSets) {

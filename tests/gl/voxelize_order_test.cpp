@@ -134,16 +134,39 @@ TEST_F(VoxelOrder, BeyondTheBoundItSaturatesAndCounts) {
     EXPECT_LT(glm::distance(face.position(), glm::vec3(0.5f, 0.25f, 0.5f)), 2e-3f);
 }
 
-TEST_F(VoxelOrder, IsotropicStorageLeavesOutTheCoverageVolumes) {
+TEST_F(VoxelOrder, IsotropicStorageKeepsOneOpacity) {
     const Scene scene = crowded();
     Settings settings = voxelSettings(32);
     const VoxelMap sixFace = voxelizeOnce(scene, unitGrid(32), settings);
     settings.voxel.storage = VoxelStorage::isotropic;
     VoxelizeLab lab(settings, scene);
     const Voxels voxels = lab.run(scene, unitGrid(32));
-    EXPECT_FALSE(voxels.coveragePositive);
+    EXPECT_FALSE(voxels.sixFace());
     EXPECT_FALSE(voxels.coverageNegative);
     EXPECT_TRUE(readVoxels(voxels) == sixFace);
+
+    const ClipmapVolume shape(voxels.layout, 1);
+    const std::vector<float> found = voxels.coveragePositive.readFloats();
+    const auto opacity = [&](const glm::ivec3& i, int level) {
+        const glm::ivec3 texel = shape.texel(i, level);
+        return static_cast<double>(
+            found[4 * static_cast<std::size_t>(texel.x + shape.size().x * (texel.y + shape.size().y * texel.z))]);
+    };
+    for (int level = 0; level < voxels.layout.count(); ++level)
+        for (int z = 0; z < 32 >> level; ++z)
+            for (int y = 0; y < 32 >> level; ++y)
+                for (int x = 0; x < 32 >> level; ++x) {
+                    double expected = 0;
+                    if (level > 0) {
+                        for (int k = 0; k < 8; ++k)
+                            expected +=
+                                opacity({2 * x + (k & 1), 2 * y + ((k >> 1) & 1), 2 * z + (k >> 2)}, level - 1) / 8;
+                    } else if (sixFace.has(x, y, z)) {
+                        for (const VoxelFace& face : sixFace.at(x, y, z))
+                            expected = std::max(expected, static_cast<double>(face.coverage));
+                    }
+                    ASSERT_NEAR(opacity({x, y, z}, level), expected, kCoverageRounding) << level;
+                }
 }
 
 TEST_F(VoxelOrder, CompareAndSwapFindsTheSameVoxels) {

@@ -114,8 +114,8 @@ inline void compare(Agreement& sum, const VoxelMap& map, const Triangle& triangl
                     if (areaCoverage) {
                         const double error = std::abs(coverage - std::abs(area[f >> 1]));
                         sum.worstCoverage = std::max(sum.worstCoverage, error);
-                        // One step of the fixed point, and the rounding of up to nine corners.
-                        if (error > 0x1p-15 + 16 * tolerance) ++sum.badCoverage;
+                        // One step of the fixed point, the rounding of up to nine corners and that of the storage.
+                        if (error > 0x1p-15 + 16 * tolerance + kCoverageRounding) ++sum.badCoverage;
                     } else if (truth) {
                         const double slope = std::abs(normal[f >> 1]) / glm::length(normal);
                         if (slope > 1e-3 + unsure && coverage != 1) ++sum.badCoverage;

@@ -88,6 +88,23 @@ def leak(options):
     return w
 
 
+def hills(_):
+    """Gentle hills, 48 m wide: their indirect light varies smoothly, so that steps between levels of voxels show."""
+    w = Writer(hills.__doc__)
+    ground = w.material("ground", (0.55, 0.5, 0.4), lambert=True)
+    w.node("hills", w.mesh("hills", [(shapes.height_field(48.0, 64, hill), ground)]))
+    return w
+
+
+def hill(x, z):
+    """Height, and its slopes along x and z."""
+    a, b = 0.35 * x, 0.3 * z
+    c = 0.5 * x + 0.6 * z
+    return (1.6 * math.sin(a) * math.cos(b) + 0.7 * math.sin(c),
+            0.56 * math.cos(a) * math.cos(b) + 0.35 * math.cos(c),
+            -0.48 * math.sin(a) * math.sin(b) + 0.42 * math.cos(c))
+
+
 def about_y(degrees):
     return (0.0, math.sin(math.radians(degrees) / 2), 0.0, math.cos(math.radians(degrees) / 2))
 
@@ -223,7 +240,7 @@ def atrium(_):
 
 
 def main():
-    makers = {f.__name__: f for f in (cornell, basic, furnace, leak, atrium)}
+    makers = {f.__name__: f for f in (cornell, basic, furnace, leak, atrium, hills)}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenes", nargs="*", help=f"some of {', '.join(makers)}; default all")
     parser.add_argument("--out", type=Path, default=SCENES, help="folder to write to")

@@ -100,6 +100,23 @@ def sphere(radius, slices=48, stacks=24):
     return mesh
 
 
+def height_field(width, cells, height):
+    """Square around the origin of `cells`² cells; `height(x, z)` gives height and slopes along x and z."""
+    mesh = Mesh()
+    for i in range(cells + 1):
+        for j in range(cells + 1):
+            x, z = width * (j / cells - 0.5), width * (i / cells - 0.5)
+            y, along_x, along_z = height(x, z)
+            mesh.add((x, y, z), unit((-along_x, 1.0, -along_z)), (j / cells, i / cells))
+    for i in range(cells):
+        for j in range(cells):
+            a = i * (cells + 1) + j
+            b, c, d = a + cells + 1, a + cells + 2, a + 1
+            mesh.triangle(a, b, c)
+            mesh.triangle(a, c, d)
+    return mesh
+
+
 def lathe(profile, sides):
     """Solid of revolution about y. `profile` is a list of (radius, y) from bottom to top, first and last radius above 0;
     a sharp edge is a point given twice. Both ends are closed by discs."""

@@ -123,21 +123,11 @@ float densityScale(int level) {
 #endif
 }
 
-/// The finer of the two levels to read for `lod`, and the weight of the next one. Half of all samples need one level alone:
-/// the blend is twice as steep as the level, and as continuous.
-int finerLevel(float lod, out float next) {
-    int level = int(lod);
-    next = 2.0 * (lod - float(level)) - 0.5;
-    if (next >= 1.0) ++level, next = 0.0;
-    next = max(next, 0.0);
-    return level;
-}
-
 /// Densities per unit of length. At a whole level nothing of another one is read.
 void densitiesAt(vec3 x, float lod, out vec3 positive, out vec3 negative) {
     vec3 texels = vec3(textureSize(u_coveragePositive, 0));
-    float next;
-    int level = finerLevel(lod, next);
+    int level = int(lod);
+    float next = lod - float(level);
     vec3 at = coverageCoordinates(x, level, texels);
     float scale = densityScale(level) * (1.0 - next);
     positive = scale * textureLod(u_coveragePositive, at, 0.0).rgb;
@@ -203,8 +193,8 @@ void addLevel(vec3 x, int level, int face, vec3 d, float weight, inout vec4 sum)
 /// Mean radiance around `x` of a face, or of all that looks against `d`; black where there is none.
 vec3 radianceAt(vec3 x, float lod, int face, vec3 d) {
     vec4 sum = vec4(0.0);
-    float next;
-    int level = finerLevel(lod, next);
+    int level = int(lod);
+    float next = lod - float(level);
     addLevel(x, level, face, d, densityScale(level) * (1.0 - next), sum);
     if (next > 0.0) addLevel(x, level + 1, face, d, densityScale(level + 1) * next, sum);
     return sum.a > 0.0 ? sum.rgb / sum.a : vec3(0.0);
@@ -275,10 +265,16 @@ ConeResult traceConeTo(Cone cone, float reach) {
     if (range.x <= 0.0 && range.y > 0.0) tau = depthBehind(cone, o, offset, startLevel);
 #endif
     // Steps are at least a tenth of a voxel long (the range of cone.step); 65535 iterations are all some drivers run.
+    float from = t;
+    int done = 0;  // steps of level 0 marched
     for (int i = 0; i < 4096 && t < end; ++i) {
         float lod = levelAt(cone, o, offset, t);
 #if START_NORMAL
-        float diameter = exp2(lod), ds = min(u_coneStep * diameter, end - t);
+        // The step is that of the whole level below, and begins at a multiple of itself: where a level begins, which moves
+        // with the camera, two steps become one and the samples behind stay where they are.
+        int stepLevel = done == 0 ? int(lod) : min(int(lod), findLSB(done));
+        done += 1 << stepLevel;
+        float ds = min(u_coneStep * exp2(float(stepLevel)), end - t);
         // The middle of the segment may lie in a coarser level already.
         vec3 x = o + d * (t + 0.5 * ds);
 #if CASCADES
@@ -322,7 +318,11 @@ ConeResult traceConeTo(Cone cone, float reach) {
             result.transmittance = after;
             if (after < 1e-3) break;
         }
+#if START_NORMAL
+        t = from + u_coneStep * float(done);
+#else
         t += ds;
+#endif
     }
     result.radiance *= u_radianceScale;
     return result;

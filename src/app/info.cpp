@@ -81,7 +81,8 @@ Command infoCommand(CLI::App& app) {
                 if (script) fmt::print("levels{}\n", levels.empty() ? "  none" : "");
                 for (const json& l : levels) {
                     const auto why = l["left_out"].get<std::string>();
-                    fmt::print("  {}  {}³ voxels of {:.4g} m, {:.4g} m wide: {}\n", l["level"].get<int>(),
+                    fmt::print("  {}  {}³ voxels of {:.4g} m, {:.4g} m wide: {}\n",
+                               why.empty() ? fmt::format("{}", l["level"].get<int>()) : std::string("-"),
                                l["resolution"].get<int>(), l["voxel_size_m"].get<double>(), l["size_m"].get<double>(),
                                why.empty()
                                    ? fmt::format("{}, volumes {:.1f} MB", l["kind"].get<std::string>(),

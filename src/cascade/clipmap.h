@@ -47,7 +47,8 @@ inline glm::ivec3 fromToroidal(const glm::ivec3& t, const glm::ivec3& low, int s
 struct ClipmapLayout {
     int resolution = 0;       ///< of a level; a power of two
     double voxelSize = 0;     ///< edge of a voxel of level 0, metres
-    glm::dvec3 origin{0};     ///< of the lattice, world space; a multiple of the coarsest edge
+    glm::dvec3 origin{0};     ///< of the lattice, world space; a multiple of the last level's edge, or of the coarsest
+                              ///< mip's when it moves
     double originStep = 0;    ///< > 0: the scene is so large that the origin follows the camera by this many metres
     int levels = 1;           ///< clipmap levels
     int mips = 0;             ///< filtered from the last level

@@ -20,10 +20,4 @@ VoxelGrid fitGrid(const Bounds& bounds, int resolution, int margin, double voxel
     return grid;
 }
 
-int gridLevels(int resolution) {
-    int levels = 1;
-    while (resolution >> levels) ++levels;
-    return levels;
-}
-
 }  // namespace voxcone

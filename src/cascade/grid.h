@@ -21,7 +21,4 @@ struct VoxelGrid {
 /// of 1 m. Scaling the bounds by a power of two scales the grid exactly.
 VoxelGrid fitGrid(const Bounds& bounds, int resolution, int margin, double voxelSize = 0);
 
-/// Mip levels of the grid: log2(resolution) + 1.
-int gridLevels(int resolution);
-
 }  // namespace voxcone

@@ -31,14 +31,14 @@ double Voxels::radius() const {
     return std::max(radius, 1e-3);
 }
 
-std::pair<glm::dvec3, glm::dvec3> Voxels::readable() const {
+std::pair<glm::dvec3, glm::dvec3> Voxels::readable(bool anyCamera) const {
     const int last = layout.levels - 1;
     const VoxelBox& window = windows[static_cast<std::size_t>(last)];
     const double scale = static_cast<double>(1 << last);
     const glm::dvec3 low = glm::dvec3(window.low) * scale, high = glm::dvec3(window.high) * scale;
     if (layout.fixedLast) return {low, high};
-    // The part of the window that does not depend on where the snap has put it, and no border of it.
     const double half = layout.lastRadius() * scale, border = static_cast<double>(1 << layout.mips) / 2 * scale;
+    if (anyCamera) return {low + border, high - border};
     const glm::dvec3 c = center / layout.voxelSize;
     return {glm::max(low + border, c - half), glm::min(high - border, c + half)};
 }

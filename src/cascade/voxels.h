@@ -47,8 +47,9 @@ struct Voxels {
     /// Half the edge of the cube around the centre inside which level 0 may be read, in voxels of level 0;
     /// layout.radius() unless windows lag behind the camera.
     double radius() const;
-    /// The region outside of which nothing may be read: lower and upper corner in voxels of level 0.
-    std::pair<glm::dvec3, glm::dvec3> readable() const;
+    /// The region outside of which nothing may be read: lower and upper corner in voxels of level 0. `anyCamera`: not
+    /// the part around the camera that no snap changes, but all that the last window holds.
+    std::pair<glm::dvec3, glm::dvec3> readable(bool anyCamera = false) const;
 
     /// Sets the uniforms of shaders/cascade/clipmap.glsl, and u_windowLow.
     void setClipmapUniforms(gl::Program& program) const;

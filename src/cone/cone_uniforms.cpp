@@ -38,7 +38,7 @@ void setContainmentUniforms(gl::Program& program, const Voxels& voxels, bool ble
 }
 
 void setConeUniforms(gl::Program& program, const Settings& settings, const Sky& sky, const RadianceVolume& volume,
-                     double step, int unit) {
+                     double step, int unit, bool anyCamera) {
     const Voxels& voxels = *volume.voxels;
     const auto inverseVoxelSize = static_cast<float>(1 / voxels.layout.voxelSize);
     program.set("u_coarsest", voxels.layout.count() - 1);
@@ -52,7 +52,7 @@ void setConeUniforms(gl::Program& program, const Settings& settings, const Sky& 
     program.set("u_aoDistance", static_cast<float>(settings.ao.distance) * inverseVoxelSize);
     program.set("u_aoFalloff", static_cast<int>(settings.ao.falloff));
     program.set("u_radianceScale", volume.scale);
-    const auto [low, high] = voxels.readable();
+    const auto [low, high] = voxels.readable(anyCamera);
     program.set("u_readableLow", glm::vec3(low));
     program.set("u_readableHigh", glm::vec3(high));
     setContainmentUniforms(program, voxels);

@@ -35,8 +35,9 @@ gl::Defines coneSetDefines(const Settings& settings, const Voxels& voxels, const
 
 /// Binds volumes and sky from texture unit `unit` (kConeUnits of them) and sets the uniforms of cone/trace.glsl and
 /// cone/sky.glsl.
+/// `anyCamera`: Voxels::readable.
 void setConeUniforms(gl::Program& program, const Settings& settings, const Sky& sky, const RadianceVolume& volume,
-                     double step, int unit);
+                     double step, int unit, bool anyCamera = false);
 
 /// Uniforms of cascade/containment.glsl. Without `blend` levels end where the next one begins.
 void setContainmentUniforms(gl::Program& program, const Voxels& voxels, bool blend = true);

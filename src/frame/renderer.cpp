@@ -104,11 +104,16 @@ struct Renderer::Impl {
             voxels.freshCount = 0;
             voxels.trianglesDrawn = 0;
             if (!update.empty()) voxelizer->update(gpuScene, update, voxels, timers);
-            const bool exact = settings.cascade.update == CascadeUpdate::exact;
-            if (light || !update.empty()) bouncesLeft = exact ? 0 : settings.light.bounces;
+            const bool exact = settings.cascade.update == CascadeUpdate::exact,
+                       coarsest = update.touches(layout.levels - 1);
+            if (update.all) {
+                bouncesLeft = 0;
+            } else if (!exact && (light || coarsest)) {
+                bouncesLeft = settings.light.bounces;
+            }
             if (light || !update.empty() || bouncesLeft > 0) {
                 field->update(
-                    voxels, sky, {light, update.touches(layout.levels - 1), exact || update.all},
+                    voxels, sky, {light, coarsest, bouncesLeft == 0},
                     [this](gl::Program& program) { shadowMaps.bind(program); }, timers);
                 bouncesLeft = std::max(bouncesLeft - 1, 0);
             }
@@ -391,7 +396,7 @@ std::vector<LeftOut> Renderer::leftOut() const {
                                             : r.scene.lights.empty() ? "the scene has no analytic light"
                                                                      : "the scene has no triangles"});
     if (r.settings.voxel.storage != VoxelStorage::six_face)
-        out.push_back({"coverage volumes", "voxel.storage is isotropic"});
+        out.push_back({"second coverage volume", "voxel.storage has one opacity a voxel"});
     if (r.settings.ao.distance <= 0) out.push_back({"occluder distances", "ao.distance is 0: all occluders count"});
     for (const Material& m : r.scene.materials)
         if (m.transmission > 0) {

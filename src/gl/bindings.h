@@ -13,7 +13,8 @@ enum MaterialUnit : int {
 constexpr int kEnvironmentUnit = 4;
 constexpr int kPassTextureUnit = 5;
 
-/// Shader storage block 0 is the scene's; passes use 2 and up (light/shadow_maps.h, voxelize/buffers.h).
+/// Shader storage block 0 is the scene's; passes that draw nothing may use it too (light/shadow_maps.h,
+/// cascade/buffers.h).
 constexpr int kObjectStorage = 0;
 
 /// Uniform block of the material that is drawn.

@@ -161,7 +161,8 @@ void RadianceField::bounce(const Voxels& voxels, const Sky& sky, int bounces, gl
         const glm::dvec3 tail = last && series && i > 0 ? ratio / (1.0 - ratio) : glm::dvec3(0);
         bounce_.set("u_tail", glm::vec3(tail));
         bounce_.set("u_faceCount", counters_.activeFaces);
-        setConeUniforms(bounce_, settings_, sky, volume(voxels), settings_.cone.step, gl::kPassTextureUnit);
+        // Bounces depend on the windows alone, wherever the camera is in them.
+        setConeUniforms(bounce_, settings_, sky, volume(voxels), settings_.cone.step, gl::kPassTextureUnit, true);
         setConeSetUniforms(bounce_, settings_.light.bounceCones);
         bind(list_, kListStorage);
         bind(voxels.places, kPlaceStorage);

@@ -17,7 +17,7 @@
 namespace voxcone {
 
 /// Storage blocks and texture units of shaders/light/lights.glsl. They are chosen not to meet those of the voxels
-/// (voxelize/buffers.h) in one shader, except for records, which light does not read beside lights.
+/// (cascade/buffers.h) in one shader, except for records, which light does not read beside lights.
 constexpr int kLightStorage = 2;
 constexpr int kShadowViewStorage = 4;
 constexpr int kShadowDepthUnit = 15;

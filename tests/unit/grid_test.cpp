@@ -92,12 +92,5 @@ TEST_F(Grid, NothingAndAPoint) {
     }
 }
 
-TEST_F(Grid, LevelsGoDownToOneVoxel) {
-    EXPECT_EQ(gridLevels(1), 1);
-    EXPECT_EQ(gridLevels(16), 5);
-    EXPECT_EQ(gridLevels(128), 8);
-    EXPECT_EQ(gridLevels(256), 9);
-}
-
 }  // namespace
 }  // namespace voxcone

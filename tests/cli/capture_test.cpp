@@ -60,7 +60,7 @@ class Pictures : public testing::Test {
     static void SetUpTestSuite() {
         folder_ = new TemporaryFolder;
         capture_ = run("capture", folder_->path() / "capture");
-        reference_ = run("reference", folder_->path() / "reference", {"--spp", "8"});
+        reference_ = run("reference", folder_->path() / "reference", {"--spp", "32"});
     }
     static void TearDownTestSuite() { delete folder_; }
     static fs::path path(const std::string& name) { return folder_->path() / name; }
@@ -97,7 +97,9 @@ TEST_F(Pictures, HaveTheSizeAskedForAndOnlyFiniteValues) {
 TEST_F(Pictures, CaptureAgreesWithTheReference) {
     const Outcome outcome = voxcone({"compare", path("reference").string(), path("capture").string(), "--json"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
-    for (const json& pair : json::parse(outcome.out)["pairs"]) {
+    const json pairs = json::parse(outcome.out)["pairs"];
+    EXPECT_EQ(pairs.size(), 2 * kChannels.size());
+    for (const json& pair : pairs) {
         const auto name = pair["name"].get<std::string>();
         const double relMse = pair["metrics"]["relmse"];
         if (name.find("albedo") != std::string::npos || name.find("depth") != std::string::npos) {
@@ -138,7 +140,7 @@ TEST_F(Pictures, StatsOfAReferenceSayItsOwnError) {
     const json stats = json::parse(contentOf(path("reference") / "view2/stats.json"));
     EXPECT_EQ(stats["program"]["command"], "reference");
     const json& frame = stats["frames"][0];
-    EXPECT_EQ(frame["samples"], 8);
+    EXPECT_EQ(frame["samples"], 32);
     EXPECT_GT(frame["beauty_error"].get<double>(), 0);
     EXPECT_LT(frame["beauty_error"].get<double>(), 1);
     EXPECT_GT(frame["indirect_diffuse_error"].get<double>(), 0);
@@ -155,7 +157,7 @@ TEST_F(Pictures, TheSameCaptureTwiceIsTheSameBitForBit) {
 }
 
 TEST_F(Pictures, TheSameReferenceTwiceIsTheSameBitForBit) {
-    ASSERT_EQ(run("reference", path("reference2"), {"--spp", "8"}).status, 0);
+    ASSERT_EQ(run("reference", path("reference2"), {"--spp", "32"}).status, 0);
     const std::string name = "view1/beauty.0000.exr";
     EXPECT_EQ(readImage(path("reference") / name).data, readImage(path("reference2") / name).data);
 }

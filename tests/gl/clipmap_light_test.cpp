@@ -1,0 +1,185 @@
+// Light on several levels of the clipmap against one level, and light that an update budget brings bit by bit against
+// light that is made at once.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/gtc/packing.hpp>
+#include <random>
+
+#include "frame/renderer.h"
+#include "gl/gpu_scene.h"
+#include "support/shapes.h"
+#include "support/voxel_lab.h"
+
+namespace voxcone::test {
+namespace {
+
+using ClipmapLight = GlTest;
+
+const gl::ShaderLibrary& shaders() {
+    static const gl::ShaderLibrary library;
+    return library;
+}
+
+constexpr glm::dvec3 kRoom{3, 2.5, 3.5};
+constexpr double kCoarse = 7.0 / 32, kFine = kCoarse / 4;  ///< voxels of three levels of 32³, 1.75 m to 7 m wide
+
+/// Points on the walls of a room around the origin, in turns on each.
+std::vector<ConeProbe> wallProbes(int count) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> place(-0.5, 0.5);
+    std::vector<ConeProbe> probes;
+    for (int i = 0; i < count; ++i) {
+        const int axis = i % 3;
+        const double side = i % 2 ? 1 : -1;
+        glm::dvec3 position = glm::dvec3(place(random), place(random), place(random)) * kRoom, normal(0);
+        position[axis] = side * kRoom[axis] / 2;
+        normal[axis] = -side;
+        probes.push_back({position, glm::vec3(normal)});
+    }
+    return probes;
+}
+
+void expectFinite(const VoxelLab& lab) {
+    const auto faces = lab.field().faces().read<glm::uvec2>();
+    for (const auto& [name, slot] : readSlots(lab.voxels()))
+        for (std::size_t f = 0; f < 6; ++f) {
+            const glm::uvec2 stored = faces[6 * slot + f];
+            const glm::vec2 low = glm::unpackHalf2x16(stored.x), high = glm::unpackHalf2x16(stored.y);
+            ASSERT_TRUE(std::isfinite(low.x + low.y + high.x + high.y))
+                << "level " << name[0] << " voxel " << name[2] << " " << name[3] << " " << name[4] << " face " << f;
+        }
+}
+
+// A closed room of albedo ρ whose walls emit Le holds L = Le/(1−ρ) everywhere, at whatever level it is read. Beside
+// edges a single coarse level leaks by itself, and finer ones less: so it is the distance from the truth that is
+// compared.
+TEST_F(ClipmapLight, AFurnaceIsAsBrightOnThreeLevelsAsOnOne) {
+    const std::vector<ConeProbe> probes = wallProbes(300);
+    for (const double thickness : {1.0, 4.0}) {
+        const Scene scene = oneObject(hollowBox(kRoom, thickness * kCoarse), lambert(0.5f, 0.5f));
+        Settings settings;
+        settings.voxel.resolution = 32;
+        VoxelLab single(glContext(), scene, settings, kCoarse);
+        const std::vector<ConeProbeResult> coarse = single.gather(probes);
+        settings.cascade.levels = 3;
+        for (const glm::dvec3 eye : {glm::dvec3(0), glm::dvec3(1.2, -0.9, 1.4), glm::dvec3(-1.3, 0.8, 0.2)}) {
+            VoxelLab levels(glContext(), scene, settings, kFine, eye);
+            ASSERT_EQ(levels.voxels().layout.levels, 3);
+            ASSERT_EQ(levels.voxels().layout.voxelSizeOf(2), kCoarse);
+            expectFinite(levels);
+            const std::vector<ConeProbeResult> found = levels.gather(probes);
+            double farther = 0, worst = 0, worstCoarse = 0, mean = 0;
+            for (std::size_t i = 0; i < probes.size(); ++i) {
+                const double error = std::abs(found[i].radiance.x - 1.0),
+                             coarseError = std::abs(coarse[i].radiance.x - 1.0);
+                farther = std::max(farther, error - coarseError);
+                worst = std::max(worst, error);
+                worstCoarse = std::max(worstCoarse, coarseError);
+                mean += static_cast<double>(found[i].radiance.x - coarse[i].radiance.x) /
+                        static_cast<double>(probes.size());
+            }
+            fmt::print("furnace, wall {} voxels, eye ({} {} {}): 3 levels over 1 {:+.4f}, worst {:.4f} and {:.4f}\n",
+                       thickness, eye.x, eye.y, eye.z, mean, worst, worstCoarse);
+            EXPECT_LE(farther, 0.01);
+            EXPECT_LE(std::abs(mean), 0.001);
+        }
+    }
+}
+
+/// A room with a lamp at its ceiling, a ball and a crate.
+Scene litRoom() {
+    return SceneBuilder()
+        .add(hollowBox(kRoom, kCoarse), lambert(0.7f))
+        .add(quad(1, 1), lambert(0, 5), translation({0.3, 1.2, -0.2}) * rotation(180, {1, 0, 0}))
+        .add(sphere(0.4, 3), lambert({0.8f, 0.3f, 0.1f}), translation({0.7, -0.6, 0.6}))
+        .add(box({0.8, 0.5, 0.6}), lambert({0.2f, 0.4f, 0.8f}), translation({-0.7, -0.9, -0.8}))
+        .build();
+}
+
+/// What a camera does: a jump that leaves all windows, steps that each make two levels move, then rest.
+const std::vector<glm::dvec3> kWalk{
+    {-1.2, -0.8, 1.2}, {1.1, 0.7, -1.3}, {0.9, 0.6, -1.1}, {0.7, 0.5, -0.9}, {0.5, 0.4, -0.7}};
+
+Settings budgetSettings() {
+    Settings settings;
+    settings.output.width = 48, settings.output.height = 32;
+    settings.voxel.resolution = 16;
+    settings.cascade.levels = 3;
+    settings.cascade.snap = 1;
+    settings.light.bounces = 16;
+    settings.specular.enabled = false;
+    return settings;
+}
+
+TEST_F(ClipmapLight, ABudgetArrivesAtTheVoxelsOfAnExactUpdate) {
+    const Scene scene = litRoom();
+    const Settings settings = budgetSettings();
+    ClipmapLab exact(glContext(), shaders(), scene, settings);
+    for (const glm::dvec3& eye : kWalk) exact.show(eye);
+
+    gl::GpuScene gpuScene(scene);
+    Voxelizer voxelizer(glContext(), shaders(), gpuScene, settings);
+    Voxels voxels = voxelizer.allocate(exact.layout());
+    gpuScene.setOrigin(voxels.origin);
+    ClipmapSchedule schedule(voxels.layout, 1, false);
+    gl::PassTimers timers(gl::TimerMode::finish);
+    const auto show = [&](const glm::dvec3& eye) {
+        voxels.center = eye - voxels.origin;
+        const ClipmapUpdate update = schedule.next(voxels.center, {});
+        if (!update.empty()) voxelizer.update(gpuScene, update, voxels, timers);
+    };
+    bool waited = false;
+    for (const glm::dvec3& eye : kWalk) {
+        show(eye);
+        waited |= schedule.waiting() > 0;
+    }
+    EXPECT_TRUE(waited);
+    for (int frame = 0; frame < voxels.layout.levels && schedule.waiting() > 0; ++frame) show(kWalk.back());
+    ASSERT_EQ(schedule.waiting(), 0);
+    EXPECT_EQ(voxels.windows, exact.voxels().windows);
+    EXPECT_EQ(voxels.radius(), exact.voxels().radius());
+    const auto records = readRecords(voxels);
+    EXPECT_GT(records.size(), 1000u);
+    EXPECT_TRUE(records == readRecords(exact.voxels()));
+}
+
+TEST_F(ClipmapLight, ABudgetArrivesAtTheLightOfManyBounces) {
+    const Scene scene = litRoom();
+    Settings settings = budgetSettings();
+    const auto view = [](const glm::dvec3& eye) { return camera(eye, {0, -0.5, 0}, 70); };
+    Renderer exact(glContext(), scene, settings);
+    exact.render(view(kWalk.back()));
+    const Image expected = exact.channel("indirect_diffuse");
+
+    settings.cascade.update = CascadeUpdate::budget;
+    settings.cascade.budget = 1;
+    Renderer budget(glContext(), scene, settings);
+    std::uint64_t waited = 0;
+    for (const glm::dvec3& eye : kWalk) {
+        budget.render(view(eye));
+        waited += budget.stats().counts.at("levels_waiting");
+        for (const float v : budget.channel("indirect_diffuse").data) ASSERT_TRUE(std::isfinite(v));
+    }
+    EXPECT_GT(waited, 0u);
+    for (int frame = 0; frame < settings.cascade.levels + settings.light.bounces; ++frame)
+        budget.render(view(kWalk.back()));
+    EXPECT_EQ(budget.stats().counts.at("levels_waiting"), 0u);
+    const Image found = budget.channel("indirect_diffuse");
+    double worst = 0, mean = 0, sum = 0;
+    for (std::size_t i = 0; i < expected.data.size(); ++i) {
+        worst = std::max<double>(worst, std::abs(found.data[i] - expected.data[i]) / expected.data[i]);
+        mean += found.data[i] - expected.data[i];
+        sum += expected.data[i];
+    }
+    fmt::print("budget over exact: mean {:+.4f}, worst pixel {:.4f}\n", mean / sum, worst);
+    EXPECT_LE(worst, 0.02);
+
+    // Nothing changes any more.
+    budget.render(view(kWalk.back()));
+    EXPECT_EQ(budget.channel("indirect_diffuse").data, found.data);
+}
+
+}  // namespace
+}  // namespace voxcone::test

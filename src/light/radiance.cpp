@@ -90,10 +90,12 @@ void RadianceField::update(const Voxels& voxels, const Sky& sky, const Change& c
     }
     // Half floats keep 11 bits between 6e-5 and 65504: the brightest face of the last level is put at 2^6. That leaves
     // a factor of 1024 for bounces and for small bright things, which finer levels average less, and 10^6 for the dim.
-    // What was gathered is stored over this scale, so it only changes when bounces begin from nothing.
+    // What was gathered is stored over this scale, so it only changes when bounces begin from nothing. They do when it
+    // no longer fits by far: when all was much brighter before, what was gathered then is of no use either.
     const float most = std::max({std::bit_cast<float>(counters_.brightest), sky.color.x, sky.color.y, sky.color.z});
     const float scale = most > 0 ? std::exp2(std::ceil(std::log2(most)) - 6) : 1;
-    const bool forget = (change.forget && (change.light || change.coarsest)) || scale > 16 * scale_;
+    const bool forget =
+        (change.forget && (change.light || change.coarsest)) || scale > 16 * scale_ || scale < scale_ / 256;
     if (forget) scale_ = scale;
     const bool bounces = settings_.light.bounces > 0 && counters_.activeFaces > 0;
     const bool again = forget || (!change.forget && bounces);

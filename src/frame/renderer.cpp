@@ -27,6 +27,10 @@ namespace voxcone {
 
 namespace {
 
+/// Bounces, one a frame, that an update budget adds after the last change. What is left of the light before is the mean
+/// albedo to this power: with 0.7, 10^-5 of it.
+constexpr int kSettlingBounces = 32;
+
 gl::TimerMode timerMode(const gl::Context& context, PassTimer setting) {
     switch (setting) {
         case PassTimer::query:
@@ -109,7 +113,7 @@ struct Renderer::Impl {
             if (update.all) {
                 bouncesLeft = 0;
             } else if (!exact && (light || coarsest)) {
-                bouncesLeft = settings.light.bounces;
+                bouncesLeft = settings.light.bounces > 0 ? kSettlingBounces : 0;
             }
             if (light || !update.empty() || bouncesLeft > 0) {
                 field->update(

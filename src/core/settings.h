@@ -43,7 +43,7 @@ struct Settings {
     struct Cascade {
         int levels = 1;
         int snap = 4;
-        double band = 0.1;
+        double band = 0.15;
         CascadeCenter center = CascadeCenter::camera;
         CascadeUpdate update = CascadeUpdate::exact;
         int budget = 1;

@@ -10,21 +10,19 @@
 #include "scene/tangents.h"
 #include "scene/topology.h"
 #include "unit/gltf_builder.h"
+#include "unit/near.h"
 
 namespace voxcone {
 namespace {
 
 using nlohmann::json;
+using test::expectNear;
 using test::GltfBuilder;
 using testing::Each;
 using testing::ElementsAre;
 
 constexpr double kPi = std::numbers::pi;
 
-void expectNear(const glm::dvec3& a, const glm::dvec3& b, double tolerance = 1e-6) {
-    EXPECT_LE(glm::length(a - b), tolerance)
-        << "(" << a.x << " " << a.y << " " << a.z << ") against (" << b.x << " " << b.y << " " << b.z << ")";
-}
 void expectNear(const glm::vec4& a, const glm::vec4& b, float tolerance = 1e-6f) {
     EXPECT_LE(glm::length(a - b), tolerance) << "(" << a.x << " " << a.y << " " << a.z << " " << a.w << ")";
 }

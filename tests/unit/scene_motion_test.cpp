@@ -9,22 +9,19 @@
 #include "scene/deform.h"
 #include "scene/gltf.h"
 #include "unit/gltf_builder.h"
+#include "unit/near.h"
 
 namespace voxcone {
 namespace {
 
 using nlohmann::json;
+using test::expectNear;
 using test::GltfBuilder;
 using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
 constexpr double kPi = std::numbers::pi;
-
-void expectNear(const glm::dvec3& a, const glm::dvec3& b, double tolerance = 1e-6) {
-    EXPECT_LE(glm::length(a - b), tolerance)
-        << "(" << a.x << " " << a.y << " " << a.z << ") against (" << b.x << " " << b.y << " " << b.z << ")";
-}
 
 class MotionTest : public testing::Test {
   protected:

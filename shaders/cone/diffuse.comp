@@ -23,6 +23,7 @@ void main() {
         cone.origin = s.position * u_inverseVoxelSize;
         cone.normal = s.geometricNormal;
         cone.level = 0.0;
+        cone.near = u_nearDistance;
 #if CASCADES
         if (u_coarserSide) {
             vec2 level = containment(cone.origin);

@@ -20,6 +20,7 @@ void main() {
     cone.origin = b_probes[index].position.xyz;
     cone.normal = b_probes[index].normal.xyz;
     cone.level = 0.0;
+    cone.near = u_nearDistance;
     cone.tanHalfAngle = u_coneTanHalfAngle;
     mat3 frame = frameAround(cone.normal);
     vec4 sum = vec4(0.0);

@@ -25,6 +25,7 @@ void main() {
         cone.direction = toLight / distance_;
         float sine = min(u_lightRadius / distance_, 0.99);
         cone.tanHalfAngle = sine * inversesqrt(1.0 - sine * sine);
+        cone.near = nearOfOne(cone.tanHalfAngle);
         // Short of the light by its radius and what filtering spreads: a lamp's own casing must not shade it.
         float edge = u_directional ? 1.0 : exp2(containmentLevel(u_lightPosition * u_inverseVoxelSize));
         float reach = max(distance_ - u_lightRadius, 0.0) * u_inverseVoxelSize - 2.0 * edge;

@@ -39,6 +39,7 @@ void main() {
             float below = dot(cone.direction, cone.normal);
             if (below < 0.05) cone.direction = normalize(cone.direction + cone.normal * (0.05 - below));
             cone.tanHalfAngle = tan(halfAngle);
+            cone.near = nearOfOne(cone.tanHalfAngle);
             ConeResult result = traceCone(cone);
             radiance = albedo * (result.radiance + result.transmittance * skyRadiance(cone.direction, cone.tanHalfAngle));
         }

@@ -1,5 +1,5 @@
 // Cones through the voxels. Needs the defines SIX_FACE, SH1, COMPOSITING_{LINEAR,EXPONENTIAL,ALPHA}, START_NORMAL, FOOTPRINT_CAP,
-// AO_DISTANCE, CASCADES (more than one level) and LAYERS.
+// AO_DISTANCE, NEAR_FIELD, CASCADES (more than one level) and LAYERS.
 //
 // All lengths are in voxels of level 0, and positions are relative to the lattice's origin. A place is read at level
 // max(log2 footprint, containment level), where a fraction blends two levels as densities per length.
@@ -12,8 +12,8 @@ uniform float u_coneStep;        // footprints
 uniform float u_coneGain;        // g
 uniform float u_footprintCap;    // K
 uniform float u_startOffset;     // voxels of the level at the start, times |n|_1
-uniform float u_headStart;       // likewise
-uniform float u_nudge;           // voxel diagonals, likewise
+uniform float u_nearDistance;    // voxels of the level at the start
+uniform float u_nudge;           // voxel diagonals of the level at the start
 uniform float u_coneMaxDistance;
 uniform float u_radianceScale;   // stored radiance times this is W/(m² sr)
 uniform vec3 u_readableLow, u_readableHigh;  // cones end there
@@ -39,7 +39,11 @@ struct Cone {
     vec3 direction;
     float tanHalfAngle;
     float level;     // finest level to read: that of the voxel a cone starts from, or 0
+    float near;      // reach of its near field, voxels of the level at the start: u_nearDistance, or nearOfOne()
 };
+
+/// Reach of the near field of a cone that has no others beside it to find what its axis misses: as far as it is thin.
+float nearOfOne(float tanHalfAngle) { return clamp(0.75 / max(tanHalfAngle, 1e-3), min(2.0, u_nearDistance), u_nearDistance); }
 
 struct ConeResult {
     vec3 radiance;        // without sky
@@ -71,7 +75,7 @@ vec2 gridRange(vec3 o, vec3 d) {
 float levelAt(Cone cone, vec3 start, float offset, float t) {
     float diameter = 2.0 * cone.tanHalfAngle * t;
 #if FOOTPRINT_CAP
-    diameter = min(diameter, (offset + t * dot(cone.normal, cone.direction)) / u_footprintCap);
+    diameter = min(diameter, max(t * dot(cone.normal, cone.direction), offset) / u_footprintCap);
 #endif
 #if !START_NORMAL
     diameter /= sqrt(3.0);
@@ -222,22 +226,12 @@ Crossing crossingAt(Cone cone, vec3 x, float height, float diameter, float lod) 
                        dot(abs(cone.direction), min(positive, negative));
     return crossing;
 }
+#endif
 
-/// Optical depth of a wall whose filtered profile reaches behind the start of the cone: without it, a start within a voxel
-/// of a wall beside it would cross only a part of that wall. The part behind is as deep for a steep cone as for a flat one,
-/// so it is looked for along the tangent plane; but a cone along the normal never meets such a wall.
-float depthBehind(Cone cone, vec3 o, float offset, float startLevel) {
-    vec3 along = cone.direction - cone.normal * dot(cone.normal, cone.direction);
-    float sine = length(along);
-    if (sine < 0.05) return 0.0;
-    along /= sine;
-    Cone level = cone;
-    level.direction = along;
-    float behind = u_headStart * exp2(startLevel);
-    vec3 x = o - 0.5 * behind * along;
-    float lod = max(startLevel, containmentLevel(x));
-    return behind * crossingAt(level, x, offset, exp2(lod), lod).density * min(1.0, 3.0 * sine);
-}
+#if NEAR_FIELD
+layout(std430, binding = FACE_STORAGE) readonly buffer Faces { FaceRecord b_faces[]; };
+layout(std430, binding = COVERAGE_STORAGE) readonly buffer Coverage { uvec2 b_coverage[]; };
+#include "cone/near.glsl"
 #endif
 
 /// Up to `reach` from the origin.
@@ -247,22 +241,29 @@ ConeResult traceConeTo(Cone cone, float reach) {
     float startLevel = max(containmentLevel(cone.origin), cone.level), edge = exp2(startLevel);
 #if START_NORMAL
     float offset = u_startOffset * edge * (abs(n.x) + abs(n.y) + abs(n.z));
-    vec3 o = cone.origin + n * offset;
     float t = 0.0;
 #else
     // Eq. 3.4 of the thesis, after Rauwendaal 2013; kept finite at grazing angles.
     float offset = 0.0;
-    vec3 o = cone.origin;
     float t = u_nudge * edge * sqrt(3.0) / max(dot(n, d), 1.0 / float(u_resolution));
 #endif
+    vec3 o = cone.origin;
     vec2 range = gridRange(o, d);
     t = max(t, range.x);
     float end = min(range.y, reach);
 
     ConeResult result = ConeResult(vec3(0.0), 1.0, 1.0);
     float tau = 0.0;
-#if SIX_FACE && START_NORMAL && !COMPOSITING_ALPHA
-    if (range.x <= 0.0 && range.y > 0.0) tau = depthBehind(cone, o, offset, startLevel);
+#if NEAR_FIELD
+    nearField(cone, int(startLevel), 1.0 - fract(startLevel), reach, result);
+#if CASCADES
+    if (fract(startLevel) > 0.0) nearField(cone, int(startLevel) + 1, fract(startLevel), reach, result);
+#endif
+    float open = result.transmittance;
+    t = max(t, cone.near / 3.0 * edge);  // up to here all weight is on the near field
+    if (open < 1e-3) t = end;
+#else
+    const float open = 1.0;
 #endif
     // Steps are at least a tenth of a voxel long (the range of cone.step); 65535 iterations are all some drivers run.
     float from = t;
@@ -277,6 +278,8 @@ ConeResult traceConeTo(Cone cone, float reach) {
         float ds = min(u_coneStep * exp2(float(stepLevel)), end - t);
         // The middle of the segment may lie in a coarser level already.
         vec3 x = o + d * (t + 0.5 * ds);
+        // Next to the surface that the cone leaves walls end, and filtered they are half open.
+        x += n * max(0.0, offset - dot(x - o, n));
 #if CASCADES
         lod = max(lod, containmentLevel(x));
 #endif
@@ -286,8 +289,11 @@ ConeResult traceConeTo(Cone cone, float reach) {
 #endif
 
 #if SIX_FACE
-        Crossing crossing = crossingAt(cone, x, offset + dot(x - o, n), exp2(lod), lod);
+        Crossing crossing = crossingAt(cone, x, max(dot(x - o, n), offset), exp2(lod), lod);
         float density = crossing.density;
+#if NEAR_FIELD
+        density *= 1.0 - nearWeight((t + 0.5 * ds) / edge, cone.near);
+#endif
 #else
         vec3 opacity, none;
         densitiesAt(x, lod, opacity, none);
@@ -296,10 +302,10 @@ ConeResult traceConeTo(Cone cone, float reach) {
         if (density > 0.0) {
 #if COMPOSITING_LINEAR
             tau += density * ds;
-            float after = max(0.0, 1.0 - u_coneGain * tau);
+            float after = max(0.0, open - u_coneGain * tau);
 #elif COMPOSITING_EXPONENTIAL
             tau += density * ds;
-            float after = exp(-u_coneGain * tau);
+            float after = open * exp(-u_coneGain * tau);
 #else
             float after = result.transmittance * (1.0 - min(density, 1.0));
 #endif

@@ -14,8 +14,10 @@ uniform ivec3 u_windowLow[16];     // of every level
 layout(std430, binding = COUNTER_STORAGE) coherent buffer Counters { VOXEL_COUNTERS };
 layout(std430, binding = LIST_STORAGE) readonly buffer List { uint b_list[]; };
 layout(std430, binding = PLACE_STORAGE) readonly buffer Places { uint b_places[]; };
+#if !NEAR_FIELD
 layout(std430, binding = FACE_STORAGE) readonly buffer Faces { FaceRecord b_faces[]; };
 layout(std430, binding = COVERAGE_STORAGE) readonly buffer Coverage { uvec2 b_coverage[]; };
+#endif
 layout(std430, binding = GATHERED_STORAGE) buffer Gathered { uvec2 b_gathered[]; };
 
 void main() {
@@ -31,6 +33,7 @@ void main() {
     cone.normal = unpackOctahedral(face.normal);
     cone.tanHalfAngle = u_coneTanHalfAngle;
     cone.level = float(level);
+    cone.near = u_nearDistance;
     mat3 frame = frameAround(cone.normal);
     // Neighbouring voxels turn their sets differently, so that what one set misses the next one sees.
     int turn = (voxel.x * 5 + voxel.y * 11 + voxel.z * 7) & 15;

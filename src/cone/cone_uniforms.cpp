@@ -4,6 +4,15 @@
 
 namespace voxcone {
 
+namespace {
+
+/// Exact planes need the faces of six_face storage.
+bool nearField(const Settings& settings, const Voxels& voxels) {
+    return settings.cone.nearField > 0 && settings.cone.start == StartOffset::normal && voxels.sixFace();
+}
+
+}  // namespace
+
 gl::Defines coneDefines(const Settings& settings, const Voxels& voxels, const Sky& sky) {
     const auto is = [](bool value) { return value ? "1" : "0"; };
     const Settings::Cone& cone = settings.cone;
@@ -17,6 +26,7 @@ gl::Defines coneDefines(const Settings& settings, const Voxels& voxels, const Sk
         {"COMPOSITING_ALPHA", is(cone.compositing == Compositing::alpha)},
         {"START_NORMAL", is(cone.start == StartOffset::normal)},
         {"FOOTPRINT_CAP", is(cone.footprintCap > 0)},
+        {"NEAR_FIELD", is(nearField(settings, voxels))},
         {"AO_DISTANCE", is(settings.ao.distance > 0)},
         {"SKY", std::to_string(sky.kind())},
     };
@@ -46,7 +56,7 @@ void setConeUniforms(gl::Program& program, const Settings& settings, const Sky& 
     program.set("u_coneGain", settings.cone.gain);
     program.set("u_footprintCap", settings.cone.footprintCap);
     program.set("u_startOffset", settings.cone.offset);
-    program.set("u_headStart", settings.cone.headStart);
+    program.set("u_nearDistance", settings.cone.nearField);
     program.set("u_nudge", settings.cone.nudge);
     program.set("u_coneMaxDistance", static_cast<float>(settings.cone.maxDistance) * inverseVoxelSize);
     program.set("u_aoDistance", static_cast<float>(settings.ao.distance) * inverseVoxelSize);
@@ -58,6 +68,8 @@ void setConeUniforms(gl::Program& program, const Settings& settings, const Sky& 
     setContainmentUniforms(program, voxels);
 
     volume.radiance->bindBase(GL_SHADER_STORAGE_BUFFER, kRadianceStorage);
+    voxels.faces.bindBase(GL_SHADER_STORAGE_BUFFER, kFaceStorage);
+    voxels.coverage.bindBase(GL_SHADER_STORAGE_BUFFER, kCoverageStorage);
     const auto bind = [&](const char* name, const gl::Texture& texture, int at) {
         if (!texture) return;
         texture.bindTo(at);

@@ -36,7 +36,7 @@ constexpr Preset kPresets[] = {
      R"({"light": {"bounces": 2, "bounce_cones": 5}, "cone": {"diffuse": 6, "step": 1.5, "footprint_cap": 6}})"},
     {"balanced", "{}"},
     {"accurate", R"({"light": {"bounces": 6, "bounce_cones": 16},
-                     "cone": {"diffuse": 32, "footprint_cap": 16, "offset": 0.5}, "specular": {"step": 0.5}})"},
+                     "cone": {"diffuse": 32, "footprint_cap": 16, "near_field": 32}, "specular": {"step": 0.5}})"},
 };
 
 template <class E>
@@ -191,9 +191,9 @@ std::vector<Field> fields(Settings& s) {
                "footprint is at most the height above the tangent plane over this; 0 = no cap"),
         choice("cone.start", s.cone.start, {"normal", "nudge"},
                "start offset along the normal, or the nudge along the cone of Rauwendaal"),
-        number("cone.offset", s.cone.offset, 0, 8, "voxels", "start offset along the normal, times |n|_1"),
-        number("cone.head_start", s.cone.headStart, 0, 4, "voxels",
-               "a wall that grows ahead is also counted this far behind a cone's start, so that it is crossed whole"),
+        number("cone.offset", s.cone.offset, 0, 8, "voxels", "least height above the surface where the filtered volumes are sampled, times |n|_1"),
+        number("cone.near_field", s.cone.nearField, 0, 64, "voxels",
+               "so far cones meet the surfaces in voxels exactly instead of filtered; 0 = not at all"),
         number("cone.nudge", s.cone.nudge, 0, 8, "voxel diagonals", "nudge factor"),
         flag("cone.rotate", s.cone.rotate, "cone sets are turned about the normal from pixel to pixel and filtered"),
         number("cone.max_distance", s.cone.maxDistance, 0, 1e9, "m",

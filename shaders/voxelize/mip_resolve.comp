@@ -13,7 +13,6 @@ layout(local_size_x = 64) in;
 
 uniform int u_level;
 uniform uint u_firstRecord, u_recordCount;  // those of the mips among the new
-uniform ivec3 u_windowLow[16];              // of every level
 layout(r32ui) uniform uimage3D u_index;
 #if LAYERS == 2
 layout(r32ui) uniform readonly uimage3D u_movingIndex;
@@ -41,8 +40,7 @@ void main() {
     uint place = b_freshList[number];
     if (placeLevel(place) != u_level) return;
     uint slot = slotOfFresh(number);
-    int size = levelResolution(u_level);
-    ivec3 low = u_windowLow[u_level], voxel = low + ((placeTexel(place) - low) & (size - 1));
+    ivec3 voxel = fromToroidal(placeTexel(place), u_level);
 
     float opacity = 0.0;
     for (int child = 0; child < 8; ++child) {

@@ -51,7 +51,7 @@ struct Voxels {
     /// the part around the camera that no snap changes, but all that the last window holds.
     std::pair<glm::dvec3, glm::dvec3> readable(bool anyCamera = false) const;
 
-    /// Sets the uniforms of shaders/cascade/clipmap.glsl, and u_windowLow.
+    /// Sets the uniforms of shaders/cascade/clipmap.glsl.
     void setClipmapUniforms(gl::Program& program) const;
 };
 

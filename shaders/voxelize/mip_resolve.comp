@@ -2,12 +2,15 @@
 //
 // A surface that crosses a coarse cell fills half of its children, so its coverage of the coarse face is twice their mean,
 // clamped at 1 where the surfaces of a cell hide each other. Without SIX_FACE opacity is plainly averaged (thesis, 3.4.2),
-// and every face that holds a surface is given it.
+// and every face that holds a surface is given it. With LEAVES, matter_mip.comp fills the volumes.
 #include "cascade/buffers.glsl"
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
 #include "cascade/records.glsl"
+#include "cascade/clipmap.glsl"
+#if !LEAVES
 #include "cascade/coverage_store.glsl"
+#endif
 #include "voxelize/slots.glsl"
 layout(local_size_x = 64) in;
 
@@ -107,5 +110,7 @@ void main() {
     b_coverage[slot] = coverage;
     b_places[slot] = place;
     imageStore(u_index, levelTexel(voxel, u_level), uvec4(slot + 1u));
-    storeCoverage(voxel, u_level, coverage);
+#if !LEAVES
+    storeCoverage(voxel, u_level, uvec4(coverage, 0u, 0u));
+#endif
 }

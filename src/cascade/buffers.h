@@ -17,6 +17,7 @@ enum VoxelStorageBlock : int {
     kEmissionStorage = 1,
     kFreshStorage = 2,
     kSumStorage = 4,
+    kMatterStorage = 6,  // in passes that leave the faces alone
     // While lighting, and kEmissionStorage.
     kListStorage = 0,
     kDirectStorage = 7,

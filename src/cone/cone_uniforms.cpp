@@ -12,6 +12,7 @@ gl::Defines coneDefines(const Settings& settings, const Voxels& voxels, const Sk
         {"SH1", is(settings.voxel.storage == VoxelStorage::sh1)},
         {"CASCADES", is(voxels.layout.levels > 1)},
         {"LAYERS", voxels.anyMoving() ? "2" : "1"},
+        {"LEAVES", is(voxels.leaves)},
         {"COMPOSITING_LINEAR", is(cone.compositing == Compositing::linear)},
         {"COMPOSITING_EXPONENTIAL", is(cone.compositing == Compositing::exponential)},
         {"COMPOSITING_ALPHA", is(cone.compositing == Compositing::alpha)},
@@ -68,6 +69,7 @@ void setConeUniforms(gl::Program& program, const Settings& settings, const Sky& 
     bind("u_index", voxels.index, unit + 2);
     bind("u_movingIndex", voxels.movingIndex, unit + 3);
     if (sky.kind() == 2) bind("u_environment", *sky.panorama, unit + 4);
+    bind("u_leaves", voxels.leafDepth, unit + 5);
     program.set("u_environmentColor", sky.color);
     program.set("u_environmentRotation", sky.rotation);
 }

@@ -280,7 +280,7 @@ ConeResult traceConeTo(Cone cone, float reach) {
     ConeResult result = ConeResult(vec3(0.0), 1.0, 1.0);
     float tau = 0.0;
 #if LEAVES
-    float leafTau = 0.0;
+    float leafTau = 0.0, skipped = offset;  // leaves between surface and start: as dense as in the first segment
 #endif
 #if SIX_FACE && START_NORMAL && !COMPOSITING_ALPHA
     if (range.x <= 0.0 && range.y > 0.0) tau = depthBehind(cone, o, offset, startLevel);
@@ -319,7 +319,8 @@ ConeResult traceConeTo(Cone cone, float reach) {
         // distribution"), and what they let pass multiplies.
         vec3 leaves = leavesAt(x, lod);
         float leafDensity = 0.92 * length(d * leaves);
-        leafTau += leafDensity * ds;
+        leafTau += leafDensity * (ds + skipped);
+        skipped = 0.0;
 #if SIX_FACE
         crossing.facing += leaves;
 #endif

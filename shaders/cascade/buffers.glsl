@@ -8,6 +8,7 @@
 #define EMISSION_STORAGE 1
 #define FRESH_STORAGE 2
 #define SUM_STORAGE 4
+#define MATTER_STORAGE 6  // in passes that leave the faces alone
 // While lighting, and EMISSION_STORAGE.
 #define LIST_STORAGE 0
 #define DIRECT_STORAGE 7
@@ -15,6 +16,7 @@
 #define RADIANCE_STORAGE 1
 #define LIT_STORAGE 2
 #define GATHERED_STORAGE 4
+#define TRACED_MATTER_STORAGE 2  // where LIT_STORAGE is not needed
 
 // In the order of VoxelCounters.
 #define VOXEL_COUNTERS                                                                                           \

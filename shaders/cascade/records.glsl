@@ -43,6 +43,12 @@ uvec2 packHalf4(vec4 v) { return uvec2(packHalf2x16(v.rg), packHalf2x16(v.ba)); 
 vec4 unpackHalf4(uvec2 p) { return vec4(unpackHalf2x16(p.x), unpackHalf2x16(p.y)); }
 vec3 unpackHalf3(uvec2 p) { return vec3(unpackHalf2x16(p.x), unpackHalf2x16(p.y).x); }
 
+// What a voxel stops where there are leaves: solid coverage of +xyz and -xyz, and along each axis the optical depth of leaves
+// per edge, as half floats.
+uvec4 addMatter(uvec4 a, uvec4 b) {
+    return uvec4(addCoverage(a.xy, b.xy), packHalf3(min(unpackHalf3(a.zw) + unpackHalf3(b.zw), vec3(kMostHalf))));
+}
+
 // Where a record belongs: texel in its level (8 bits each), level (4), moving geometry (1), and bit 31 while it is in use.
 uint packPlace(ivec3 texel, int level, int moving) {
     return uint(texel.x) | (uint(texel.y) << 8) | (uint(texel.z) << 16) | (uint(level) << 24) | (uint(moving) << 28) |

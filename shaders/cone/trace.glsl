@@ -1,5 +1,5 @@
 // Cones through the voxels. Needs the defines SIX_FACE, SH1, COMPOSITING_{LINEAR,EXPONENTIAL,ALPHA}, START_NORMAL, FOOTPRINT_CAP,
-// AO_DISTANCE, NEAR_FIELD, CASCADES (more than one level) and LAYERS.
+// AO_DISTANCE, NEAR_FIELD, CASCADES (more than one level), LAYERS and LEAVES.
 //
 // All lengths are in voxels of level 0, and positions are relative to the lattice's origin. A place is read at level
 // max(log2 footprint, containment level), where a fraction blends two levels as densities per length.
@@ -25,6 +25,9 @@ uniform int u_aoFalloff;         // 0 none, 1 linear, 2 square root
 uniform sampler3D u_coveragePositive;  // coverage of surfaces that look along +x, +y, +z; without SIX_FACE opacity
 #if SIX_FACE
 uniform sampler3D u_coverageNegative;  // … along -x, -y, -z
+#endif
+#if LEAVES
+uniform sampler3D u_leaves;  // optical depth of leaves along x, y, z: not in the coverages
 #endif
 uniform usampler3D u_index;
 #if LAYERS == 2
@@ -150,6 +153,21 @@ void densitiesAt(vec3 x, float lod, out vec3 positive, out vec3 negative) {
     }
 }
 
+#if LEAVES
+/// Optical depth of leaves along the axes per unit of length.
+vec3 leavesAt(vec3 x, float lod) {
+    vec3 texels = vec3(textureSize(u_leaves, 0));
+    int level = int(lod);
+    float next = lod - float(level);
+    vec3 leaves = exp2(-float(level)) * (1.0 - next) *
+                  textureLod(u_leaves, coverageCoordinates(x, level, texels), 0.0).rgb;
+    if (next > 0.0)
+        leaves += exp2(-float(level + 1)) * next *
+                  textureLod(u_leaves, coverageCoordinates(x, level + 1, texels), 0.0).rgb;
+    return leaves;
+}
+#endif
+
 /// Adds radiance times coverage, and coverage, of a record: of one of its faces, or of what it shows against `d`.
 void addRecord(uint mark, int face, vec3 d, float weight, inout vec4 sum) {
     if (mark == 0u) return;
@@ -231,6 +249,9 @@ Crossing crossingAt(Cone cone, vec3 x, float height, float diameter, float lod) 
 #if NEAR_FIELD
 layout(std430, binding = FACE_STORAGE) readonly buffer Faces { FaceRecord b_faces[]; };
 layout(std430, binding = COVERAGE_STORAGE) readonly buffer Coverage { uvec2 b_coverage[]; };
+#if LEAVES
+layout(std430, binding = TRACED_MATTER_STORAGE) readonly buffer MatterBlock { uvec4 b_matter[]; };
+#endif
 #include "cone/near.glsl"
 #endif
 
@@ -254,13 +275,18 @@ ConeResult traceConeTo(Cone cone, float reach) {
 
     ConeResult result = ConeResult(vec3(0.0), 1.0, 1.0);
     float tau = 0.0;
+#if LEAVES
+    float leafTau = 0.0;
+#endif
 #if NEAR_FIELD
     nearField(cone, int(startLevel), 1.0 - fract(startLevel), reach, result);
 #if CASCADES
     if (fract(startLevel) > 0.0) nearField(cone, int(startLevel) + 1, fract(startLevel), reach, result);
 #endif
     float open = result.transmittance;
-    t = max(t, cone.near / 3.0 * edge);  // up to here all weight is on the near field
+#if !LEAVES
+    t = max(t, cone.near / 3.0 * edge);  // up to here all weight is on the near field, which meets all but leaves
+#endif
     if (open < 1e-3) t = end;
 #else
     const float open = 1.0;
@@ -299,10 +325,25 @@ ConeResult traceConeTo(Cone cone, float reach) {
         densitiesAt(x, lod, opacity, none);
         float density = opacity.r;
 #endif
+#if LEAVES
+        // Leaves turned all ways: the ellipsoid of their projected areas (Heitz et al. 2015, "The SGGX microflake
+        // distribution"), and what they let pass multiplies.
+        vec3 leaves = leavesAt(x, lod);
+        float leafDensity = 0.92 * length(d * leaves);
+        leafTau += leafDensity * ds;
+#if SIX_FACE
+        crossing.facing += leaves;
+#endif
+        if (density > 0.0 || leafDensity > 0.0) {
+#else
         if (density > 0.0) {
+#endif
 #if COMPOSITING_LINEAR
             tau += density * ds;
             float after = max(0.0, open - u_coneGain * tau);
+#if LEAVES
+            after *= exp(-leafTau);
+#endif
 #elif COMPOSITING_EXPONENTIAL
             tau += density * ds;
             float after = open * exp(-u_coneGain * tau);

@@ -10,7 +10,6 @@ layout(local_size_x = 64) in;
 uniform uint u_faceCount;          // of the list
 uniform float u_fixedPointUnit;    // steps of the sums for a radiance of 1
 uniform vec3 u_tail;               // what all further bounces add, over what this one adds
-uniform ivec3 u_windowLow[16];     // of every level
 layout(std430, binding = COUNTER_STORAGE) coherent buffer Counters { VOXEL_COUNTERS };
 layout(std430, binding = LIST_STORAGE) readonly buffer List { uint b_list[]; };
 layout(std430, binding = PLACE_STORAGE) readonly buffer Places { uint b_places[]; };
@@ -27,7 +26,7 @@ void main() {
     FaceRecord face = b_faces[index];
     uint place = b_places[slot];
     int level = placeLevel(place);
-    ivec3 low = u_windowLow[level], voxel = low + ((placeTexel(place) - low) & (u_resolution - 1));
+    ivec3 voxel = fromToroidal(placeTexel(place), level);
     Cone cone;
     cone.origin = (vec3(voxel) + unpackPosition(face.position)) * float(1 << level);
     cone.normal = unpackOctahedral(face.normal);

@@ -12,7 +12,6 @@ layout(local_size_x = 64) in;
 uniform uint u_faceCount;       // six a record
 uniform bool u_listed;          // the records of the list; else the first ones
 uniform float u_voxelSize;      // of level 0
-uniform ivec3 u_windowLow[16];  // of every level
 layout(std430, binding = COUNTER_STORAGE) coherent buffer Counters { VOXEL_COUNTERS };
 layout(std430, binding = LIST_STORAGE) readonly buffer List { uint b_list[]; };
 layout(std430, binding = PLACE_STORAGE) readonly buffer Places { uint b_places[]; };
@@ -38,7 +37,7 @@ void main() {
         radiance = unpackRgb9e5(b_emission[index]);
 #endif
 #if LIGHTS
-        ivec3 low = u_windowLow[level], voxel = low + ((placeTexel(place) - low) & (u_resolution - 1));
+        ivec3 voxel = fromToroidal(placeTexel(place), level);
         float edge = u_voxelSize * float(1 << level);
         vec3 worldPos = (vec3(voxel) + unpackPosition(face.position)) * edge;
         vec3 normal = unpackOctahedral(face.normal);

@@ -6,7 +6,6 @@ layout(local_size_x = 64) in;
 
 uniform int u_level;
 uniform uint u_slotCount;
-uniform ivec3 u_windowLow[16];
 uniform usampler3D u_index;
 #if LAYERS == 2
 uniform usampler3D u_movingIndex;
@@ -20,7 +19,7 @@ void main() {
     if (slot >= u_slotCount) return;
     uint place = b_places[slot];
     if (!placeInUse(place) || placeLevel(place) != u_level) return;
-    ivec3 low = u_windowLow[u_level], voxel = low + ((placeTexel(place) - low) & (levelResolution(u_level) - 1));
+    ivec3 voxel = fromToroidal(placeTexel(place), u_level);
     vec4 sums[6] = vec4[](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
     for (int child = 0; child < 8 * LAYERS; ++child) {
         ivec3 texel = levelTexel(2 * voxel + ivec3(child & 1, (child >> 1) & 1, (child >> 2) & 1), u_level - 1);

@@ -9,7 +9,6 @@ layout(local_size_x = 64) in;
 uniform int u_level;
 uniform uint u_slotCount;
 uniform bool u_listed;  // the slots of the list; else the first ones
-uniform ivec3 u_windowLow[16];
 uniform usampler3D u_index;
 #if LAYERS == 2
 uniform usampler3D u_movingIndex;
@@ -41,7 +40,7 @@ void main() {
     uint slot = u_listed ? b_list[item] : item;
     uint place = b_places[slot];
     if (!placeInUse(place) || placeLevel(place) != u_level) return;
-    ivec3 low = u_windowLow[u_level], voxel = low + ((placeTexel(place) - low) & (u_resolution - 1));
+    ivec3 voxel = fromToroidal(placeTexel(place), u_level);
     uvec2 coverage = b_coverage[slot];
     int coarse = u_level + 1;
     ivec3 mask = ivec3(u_resolution - 1), origin = levelOrigin(coarse, 0);

@@ -2,18 +2,20 @@
 //
 // A surface that crosses a coarse cell fills half of its children, so its coverage of the coarse face is twice their mean,
 // clamped at 1 where the surfaces of a cell hide each other. Without SIX_FACE opacity is plainly averaged (thesis, 3.4.2),
-// and every face that holds a surface is given it.
+// and every face that holds a surface is given it. With LEAVES, matter_mip.comp fills the volumes.
 #include "cascade/buffers.glsl"
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
 #include "cascade/records.glsl"
+#include "cascade/clipmap.glsl"
+#if !LEAVES
 #include "cascade/coverage_store.glsl"
+#endif
 #include "voxelize/slots.glsl"
 layout(local_size_x = 64) in;
 
 uniform int u_level;
 uniform uint u_firstRecord, u_recordCount;  // those of the mips among the new
-uniform ivec3 u_windowLow[16];              // of every level
 layout(r32ui) uniform uimage3D u_index;
 #if LAYERS == 2
 layout(r32ui) uniform readonly uimage3D u_movingIndex;
@@ -41,8 +43,7 @@ void main() {
     uint place = b_freshList[number];
     if (placeLevel(place) != u_level) return;
     uint slot = slotOfFresh(number);
-    int size = levelResolution(u_level);
-    ivec3 low = u_windowLow[u_level], voxel = low + ((placeTexel(place) - low) & (size - 1));
+    ivec3 voxel = fromToroidal(placeTexel(place), u_level);
 
     float opacity = 0.0;
     for (int child = 0; child < 8; ++child) {
@@ -109,5 +110,7 @@ void main() {
     b_coverage[slot] = coverage;
     b_places[slot] = place;
     imageStore(u_index, levelTexel(voxel, u_level), uvec4(slot + 1u));
-    storeCoverage(voxel, u_level, coverage);
+#if !LEAVES
+    storeCoverage(voxel, u_level, uvec4(coverage, 0u, 0u));
+#endif
 }

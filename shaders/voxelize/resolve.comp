@@ -1,13 +1,16 @@
 // Sums to means: fills the faces of each new record and the volumes that cones filter.
 //
 // A coverage is the projected area of the surfaces in the voxel that look along an axis, over the area of a voxel face,
-// clamped to 1. It is an optical density per voxel edge.
+// clamped to 1. It is an optical density per voxel edge. With LEAVES, matter.comp fills the volumes.
 #include "cascade/buffers.glsl"
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
 #include "cascade/records.glsl"
 #include "voxelize/sums.glsl"
+#include "cascade/clipmap.glsl"
+#if !LEAVES
 #include "cascade/coverage_store.glsl"
+#endif
 #include "voxelize/slots.glsl"
 layout(local_size_x = 64) in;
 
@@ -100,5 +103,7 @@ void main() {
 #else
     imageStore(u_index, texel, uvec4(slot + 1u));
 #endif
-    storeCoverage(placeTexel(place), level, coverage);
+#if !LEAVES
+    storeCoverage(placeTexel(place), level, uvec4(coverage, 0u, 0u));
+#endif
 }

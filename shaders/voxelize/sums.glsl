@@ -1,19 +1,21 @@
-// Sums of the faces of new voxels (integer_sum). Needs the defines COMPARE_AND_SWAP and EMISSION.
+// Sums of the faces of new voxels (integer_sum). Needs the defines COMPARE_AND_SWAP, EMISSION and LEAVES.
 //
 // Fixed point with kUnit for a weight of 1, all weighted by projected coverage.
 //   0 coverage, 1-3 albedo, 4-6 normal (biased to n + 1), 7-9 position in the voxel (0 to 1),
 //   10-15 emission as three 64-bit sums, low and high word (only with EMISSION)
+//   last two (only with LEAVES): coverage of leaves, and their optical depth in steps of 1/kDepthUnit
 // The running mean of compare_and_swap keeps four words a face: albedo, normal, position, emission as 8-bit RGB and a count.
 
 #if COMPARE_AND_SWAP
 const int kFaceWords = 4;
-#elif EMISSION
-const int kFaceWords = 16;
 #else
-const int kFaceWords = 10;
+const int kFaceWords = 10 + 6 * EMISSION + 2 * LEAVES;
 #endif
+const int kLeafWord = kFaceWords - 2;
 const int kRecordWords = 6 * kFaceWords;
 
 // 2^15: 106,496 full coverages fit below the saturation bound, and a weight is stored with an error of at most 3e-5.
 const float kUnit = 32768.0;
 const uint kSaturated = 0xd0000000u;
+// Depths are at most 1.6 times the coverage, and must not wrap before it is full.
+const float kDepthUnit = 16384.0;

@@ -17,6 +17,7 @@ enum VoxelStorageBlock : int {
     kEmissionStorage = 1,
     kFreshStorage = 2,
     kSumStorage = 4,
+    kMatterStorage = 6,  // in passes that leave the faces alone
     // While lighting, and kEmissionStorage.
     kListStorage = 0,
     kDirectStorage = 7,
@@ -24,6 +25,7 @@ enum VoxelStorageBlock : int {
     kRadianceStorage = 1,
     kLitStorage = 2,
     kGatheredStorage = 4,
+    kTracedMatterStorage = 2,  // where kLitStorage is not needed
 };
 
 struct VoxelCounters {

@@ -10,11 +10,13 @@
 namespace voxcone {
 
 std::uint64_t Voxels::volumeBytes() const {
-    return index.bytes() + movingIndex.bytes() + coveragePositive.bytes() + coverageNegative.bytes();
+    return index.bytes() + movingIndex.bytes() + coveragePositive.bytes() + coverageNegative.bytes() +
+           leafDepth.bytes();
 }
 
 std::uint64_t Voxels::recordBytes() const {
-    return places.bytes() + faces.bytes() + emission.bytes() + coverage.bytes() + freeSlots.bytes() + fresh.bytes();
+    return places.bytes() + faces.bytes() + emission.bytes() + coverage.bytes() + matter.bytes() + freeSlots.bytes() +
+           fresh.bytes();
 }
 
 double Voxels::radius() const {

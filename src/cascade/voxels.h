@@ -19,17 +19,22 @@ struct Voxels {
     glm::dvec3 center{0};           ///< camera, relative to the origin: where level 0 is centred, metres
     std::vector<VoxelBox> windows;  ///< by level, mips too; empty before the first update
 
-    bool emits = false;  ///< some surface may emit
+    bool emits = false;   ///< some surface may emit
+    bool leaves = false;  ///< some surface is a leaf (Scene::isLeaves) and settings composite leaves apart
 
     gl::Texture index;        ///< R32UI: 1 + slot of static geometry's record and of mips, 0 where nothing is
     gl::Texture movingIndex;  ///< the same of moving geometry; absent without any
     /// RGB10_A2: coverage per edge of the level's voxel of surfaces that look along +xyz and −xyz; isotropic storage
     /// has the first alone, with opacity in r.
     gl::Texture coveragePositive, coverageNegative;
+    /// R11F_G11F_B10F: optical depth of leaves along x, y and z per edge of the level's voxel, which the coverage then
+    /// leaves out; absent without leaves.
+    gl::Texture leafDepth;
     gl::Buffer places;    ///< by slot: packPlace, or 0 while free
     gl::Buffer faces;     ///< six FaceRecord a slot
     gl::Buffer emission;  ///< six RGB9E5 a slot; absent where nothing emits
-    gl::Buffer coverage;  ///< uvec2 a slot: packed coverage of +xyz and −xyz
+    gl::Buffer coverage;  ///< uvec2 a slot: packed coverage of +xyz and −xyz, of leaves too
+    gl::Buffer matter;    ///< uvec4 a slot: the same without leaves, and the leaves' depths; absent without leaves
     gl::Buffer freeSlots, fresh;
     std::uint32_t capacity = 0;        ///< records that the buffers hold
     std::uint32_t slots = 0;           ///< slots that were ever in use
@@ -51,7 +56,7 @@ struct Voxels {
     /// the part around the camera that no snap changes, but all that the last window holds.
     std::pair<glm::dvec3, glm::dvec3> readable(bool anyCamera = false) const;
 
-    /// Sets the uniforms of shaders/cascade/clipmap.glsl, and u_windowLow.
+    /// Sets the uniforms of shaders/cascade/clipmap.glsl.
     void setClipmapUniforms(gl::Program& program) const;
 };
 

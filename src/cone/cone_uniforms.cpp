@@ -21,6 +21,7 @@ gl::Defines coneDefines(const Settings& settings, const Voxels& voxels, const Sk
         {"SH1", is(settings.voxel.storage == VoxelStorage::sh1)},
         {"CASCADES", is(voxels.layout.levels > 1)},
         {"LAYERS", voxels.anyMoving() ? "2" : "1"},
+        {"LEAVES", is(voxels.leaves)},
         {"COMPOSITING_LINEAR", is(cone.compositing == Compositing::linear)},
         {"COMPOSITING_EXPONENTIAL", is(cone.compositing == Compositing::exponential)},
         {"COMPOSITING_ALPHA", is(cone.compositing == Compositing::alpha)},
@@ -70,6 +71,7 @@ void setConeUniforms(gl::Program& program, const Settings& settings, const Sky& 
     volume.radiance->bindBase(GL_SHADER_STORAGE_BUFFER, kRadianceStorage);
     voxels.faces.bindBase(GL_SHADER_STORAGE_BUFFER, kFaceStorage);
     voxels.coverage.bindBase(GL_SHADER_STORAGE_BUFFER, kCoverageStorage);
+    if (voxels.leaves) voxels.matter.bindBase(GL_SHADER_STORAGE_BUFFER, kTracedMatterStorage);
     const auto bind = [&](const char* name, const gl::Texture& texture, int at) {
         if (!texture) return;
         texture.bindTo(at);
@@ -80,6 +82,7 @@ void setConeUniforms(gl::Program& program, const Settings& settings, const Sky& 
     bind("u_index", voxels.index, unit + 2);
     bind("u_movingIndex", voxels.movingIndex, unit + 3);
     if (sky.kind() == 2) bind("u_environment", *sky.panorama, unit + 4);
+    bind("u_leaves", voxels.leafDepth, unit + 5);
     program.set("u_environmentColor", sky.color);
     program.set("u_environmentRotation", sky.rotation);
 }

@@ -25,7 +25,7 @@ struct RadianceVolume {
     float scale = 1;                       ///< stored values times this are W/(m² sr)
 };
 
-constexpr int kConeUnits = 5;
+constexpr int kConeUnits = 6;
 
 /// Defines of cone/trace.glsl and cone/sky.glsl for these settings and the shape of `voxels`.
 gl::Defines coneDefines(const Settings& settings, const Voxels& voxels, const Sky& sky);

@@ -21,6 +21,7 @@
 #include "light/radiance.h"
 #include "light/shadow_maps.h"
 #include "light/specular_table.h"
+#include "scene/topology.h"
 #include "voxelize/voxelizer.h"
 
 namespace voxcone {
@@ -65,6 +66,10 @@ struct Renderer::Impl {
         const bool lights = !scene.lights.empty();
         if (lights) direct = std::make_unique<DirectPass>(shaders, gbuffer.defines(), width, height);
         if (gpuScene.empty()) return;
+        for (const Instance& instance : scene.instances) {
+            const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
+            degenerate += degenerateTriangles(mesh.positions, mesh.indices);
+        }
         layout = layoutClipmap(scene.motionBounds(), settings);
         voxelizer = std::make_unique<Voxelizer>(context, shaders, gpuScene, settings);
         voxels = voxelizer->allocate(layout);
@@ -205,6 +210,7 @@ struct Renderer::Impl {
         if (voxelizer) {
             memory("voxel index", voxels.index.bytes() + voxels.movingIndex.bytes());
             memory("coverage volumes", voxels.coveragePositive.bytes() + voxels.coverageNegative.bytes());
+            memory("leaf volume", voxels.leafDepth.bytes());
             memory("voxel records", voxels.recordBytes());
             memory("voxel radiance", field->bytes());
             memory("diffuse cones", diffuse->bytes());
@@ -213,6 +219,7 @@ struct Renderer::Impl {
         }
         memory("beauty", composite.beauty().bytes());
         stats.counts["triangles"] = gpuScene.triangleCount();
+        stats.counts["degenerate_triangles"] = degenerate;
         stats.counts["voxels_occupied"] = voxels.occupied();
         for (int level = 0; field && level < layout.count(); ++level)
             stats.counts[fmt::format("{}_{}_voxels", level < layout.levels ? "level" : "mip",
@@ -298,6 +305,7 @@ struct Renderer::Impl {
     std::unique_ptr<DirectPass> direct;
     std::unique_ptr<Voxelizer> voxelizer;
     std::unique_ptr<RadianceField> field;
+    std::uint64_t degenerate = 0;  ///< triangles without area, over all instances
     ClipmapLayout layout;
     std::unique_ptr<ClipmapSchedule> schedule;
     Voxels voxels;

@@ -55,7 +55,8 @@ Level halved(const Level& fine) {
 
 }  // namespace
 
-std::vector<std::vector<std::uint8_t>> alphaWeightedMips(int width, int height, std::span<const std::uint8_t> rgba8) {
+std::vector<std::vector<std::uint8_t>> alphaWeightedMips(int width, int height, std::span<const std::uint8_t> rgba8,
+                                                         float cutoff) {
     VOXCONE_CHECK(width > 0 && height > 0 &&
                       rgba8.size() == 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
                   "{} bytes for {}×{} texels", rgba8.size(), width, height);
@@ -69,7 +70,12 @@ std::vector<std::vector<std::uint8_t>> alphaWeightedMips(int width, int height, 
         levels[0].texels.emplace_back(alpha * glm::vec3(linear[rgba8[i]], linear[rgba8[i + 1]], linear[rgba8[i + 2]]),
                                       alpha);
     }
-    while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(halved(levels.back()));
+    Level cut = levels[0];
+    if (cutoff > 0) {
+        for (glm::vec4& texel : cut.texels) texel = texel.a >= cutoff ? texel / texel.a : glm::vec4(0);
+    }
+    while (levels.back().width > 1 || levels.back().height > 1)
+        levels.push_back(halved(levels.size() == 1 ? cut : levels.back()));
 
     std::vector<std::vector<std::uint8_t>> bytes(levels.size());
     std::vector<glm::vec3> coarser(1, glm::vec3(0));  // colours of the next coarser level, not weighted

@@ -11,6 +11,9 @@ namespace voxcone::gl {
 /// averages would mix in the colour of texels that are not there, mostly black: leaves would darken with the distance.
 /// So colours are averaged in linear light weighted with alpha, alpha plainly; texels of alpha 0 get the colour around
 /// them, from the finest coarser level that has any, so that filtering between texels does not meet black either.
-std::vector<std::vector<std::uint8_t>> alphaWeightedMips(int width, int height, std::span<const std::uint8_t> rgba8);
+/// `cutoff` > 0: a mask; a texel then counts in the coarser levels as there (alpha of at least this) or not, so that
+/// their alpha is the share of the image that the mask leaves. The finest level keeps its alpha, to be cut when drawn.
+std::vector<std::vector<std::uint8_t>> alphaWeightedMips(int width, int height, std::span<const std::uint8_t> rgba8,
+                                                         float cutoff = 0);
 
 }  // namespace voxcone::gl

@@ -281,6 +281,7 @@ void GpuScene::uploadMaterials() {
     std::vector<std::byte> blocks(scene_.materials.size() * materialStride_);
     std::size_t offset = 0;
     for (const Material& material : scene_.materials) {
+        leaves_.push_back(scene_.isLeaves(material) ? 1 : 0);
         GpuMaterial gpu{};
         gpu.baseColor = material.baseColor;
         gpu.emission = glm::vec4(material.emission, material.unlit ? 1.0f : 0.0f);
@@ -298,7 +299,7 @@ void GpuScene::uploadMaterials() {
             if (slot.slot->texture >= 0) gpu.flags.w |= 1 << slot.unit;
         }
         gpu.flags.x = static_cast<int>(material.alphaMode);
-        gpu.flags.y = material.doubleSided ? 1 : 0;
+        gpu.flags.y = (material.doubleSided ? 1 : 0) | (leaves_.back() != 0 ? 2 : 0);
         gpu.flags.z = material.unlit ? 1 : 0;
         std::memcpy(blocks.data() + offset, &gpu, sizeof(gpu));
         offset += materialStride_;
@@ -325,7 +326,11 @@ void GpuScene::uploadTextures() {
             texture = Texture::create2D(slot.srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, image.width, image.height,
                                         fullMipLevels(image.width, image.height));
             if (slot.unit == kBaseColorUnit && scene_.materials[m].alphaMode != AlphaMode::opaque) {
-                const auto levels = alphaWeightedMips(image.width, image.height, image.rgba8);
+                const Material& material = scene_.materials[m];
+                const float cutoff = material.alphaMode == AlphaMode::mask && material.baseColor.a > 0
+                                         ? material.alphaCutoff / material.baseColor.a
+                                         : 0;
+                const auto levels = alphaWeightedMips(image.width, image.height, image.rgba8, cutoff);
                 for (std::size_t level = 0; level < levels.size(); ++level) {
                     texture.upload(static_cast<int>(level), GL_RGBA, GL_UNSIGNED_BYTE, levels[level].data());
                 }
@@ -397,6 +402,7 @@ void GpuScene::updateBatches() {
             batch.alphaMode = material.alphaMode;
             batch.doubleSided = material.doubleSided;
             batch.emits = material.unlit || material.emits();
+            batch.leaves = leaves_[static_cast<std::size_t>(batch.material)] != 0;
             batch.firstIndex = closed ? range.firstClosed : range.firstOpen;
             batch.indexCount = closed ? range.closedCount : range.openCount;
             batch.baseVertex = shape.baseVertex;
@@ -461,6 +467,10 @@ bool GpuScene::anyEmission() const {
 bool GpuScene::anyAlphaTest() const {
     return std::any_of(batches_.begin(), batches_.end(),
                        [](const Batch& batch) { return batch.alphaMode != AlphaMode::opaque; });
+}
+
+bool GpuScene::anyLeaves() const {
+    return std::any_of(batches_.begin(), batches_.end(), [](const Batch& batch) { return batch.leaves; });
 }
 
 bool GpuScene::anyMoving() const {

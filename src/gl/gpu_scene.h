@@ -25,6 +25,7 @@ struct Batch {
     AlphaMode alphaMode = AlphaMode::opaque;
     bool doubleSided = false;
     bool emits = false;                            ///< the material emits (emission or unlit)
+    bool leaves = false;                           ///< Scene::isLeaves
     std::uint32_t firstIndex = 0, indexCount = 0;  ///< in the index buffer
     std::int32_t baseVertex = 0;
     std::uint32_t firstObject = 0, objectCount = 0;  ///< instances: consecutive objects
@@ -64,6 +65,7 @@ class GpuScene {
     bool anyEmission() const;
     bool anyAlphaTest() const;  ///< a batch with AlphaMode mask or blend
     bool anyMoving() const;     ///< a batch that moves
+    bool anyLeaves() const;     ///< a batch of leaves
 
     /// World boxes that moving objects have left and entered since the last call, or since the upload: two for each
     /// object whose matrix or vertices changed in any setTime() between, none for the others. The boxes hold the
@@ -130,6 +132,7 @@ class GpuScene {
     std::vector<std::uint8_t> moving_, moved_;
     std::vector<Bounds> instanceBounds_, takenBounds_;
     std::size_t materialStride_ = 0;       ///< bytes from one material's block to the next
+    std::vector<std::uint8_t> leaves_;     ///< by index in Scene::materials: Scene::isLeaves
     std::vector<IndexRange> indexRanges_;  ///< by index in Scene::meshes
     std::vector<Shape> shapes_;            ///< by index in Scene::meshes, then those of deformed instances
     std::vector<std::size_t> shapeOf_;     ///< by index in Scene::instances

@@ -317,6 +317,9 @@ class Loader {
                                                   : AlphaMode::opaque;
         out.alphaCutoff = static_cast<float>(in.alphaCutoff);
         out.doubleSided = in.doubleSided;
+        if (in.extras.IsObject() && in.extras.Has("voxcone_matter"))
+            out.matter =
+                in.extras.Get("voxcone_matter").Get<std::string>() == "leaves" ? Matter::leaves : Matter::solid;
         out.normalScale = static_cast<float>(in.normalTexture.scale);
         out.occlusionStrength = static_cast<float>(in.occlusionTexture.strength);
 

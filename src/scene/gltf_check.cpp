@@ -472,6 +472,14 @@ class Checker {
                 material.refuse("alphaMode", fmt::format("'{}' is not OPAQUE, MASK or BLEND", printable(mode)));
             material.number("alphaCutoff", 0.5, 0);
             material.boolean("doubleSided", false);
+            // Other programs' extras are their own, and need not be objects.
+            if (material.has("extras") && material.raw()["extras"].is_object())
+                material.object("extras", [](Object& extras) {
+                    if (!extras.has("voxcone_matter")) return;
+                    const std::string matter = extras.string("voxcone_matter", "");
+                    if (matter != "solid" && matter != "leaves")
+                        extras.refuse("voxcone_matter", fmt::format("'{}' is not solid or leaves", printable(matter)));
+                });
             material.extension("KHR_materials_unlit", [](Object&) {});
             material.extension("KHR_materials_emissive_strength",
                                [](Object& e) { e.number("emissiveStrength", 1, 0); });

@@ -267,6 +267,20 @@ Bounds transformed(const Bounds& box, const glm::dmat4& matrix) {
     return result;
 }
 
+bool Scene::isLeaves(const Material& material) const {
+    if (material.matter != Matter::automatic) return material.matter == Matter::leaves;
+    if (material.alphaMode == AlphaMode::opaque) return false;
+    // Exporters also write MASK or BLEND for what is opaque everywhere.
+    float least = material.baseColor.a;
+    if (material.baseColorTexture.texture >= 0) {
+        const Texture& texture = textures[static_cast<std::size_t>(material.baseColorTexture.texture)];
+        std::uint8_t lowest = 255;
+        for (std::size_t i = 3; i < texture.rgba8.size(); i += 4) lowest = std::min(lowest, texture.rgba8[i]);
+        least *= static_cast<float>(lowest) / 255;
+    }
+    return least < (material.alphaMode == AlphaMode::mask ? material.alphaCutoff : 1.0f);
+}
+
 std::size_t Scene::triangleCount() const {
     std::size_t count = 0;
     for (const Instance& instance : instances)

@@ -18,6 +18,9 @@ namespace voxcone {
 
 enum class Wrap : int { repeat, mirrored_repeat, clamp_to_edge };
 enum class AlphaMode : int { opaque, mask, blend };
+/// How cones add up the surfaces of a material: `solid` as parts of walls, `leaves` as scattered by chance. automatic:
+/// leaves where some of the material lets light through by its alpha (Scene::isLeaves).
+enum class Matter : int { automatic, solid, leaves };
 
 /// Decoded image: `width`×`height` texels of 4 components, row 0 on top (v = 0, as in glTF). Eight bits a component;
 /// whether RGB is sRGB or linear is decided by the slot of the material that uses it.
@@ -57,6 +60,8 @@ struct Material {
     float ior = 1.5f;            ///< KHR_materials_ior; F0 = ((ior−1)/(ior+1))²
     float specularFactor = 1;    ///< KHR_materials_specular: scales dielectric F0 and F90; 0 = pure Lambert
     glm::vec3 specularColor{1};  ///< KHR_materials_specular: tints dielectric F0
+    /// glTF extras "voxcone_matter".
+    Matter matter = Matter::automatic;
 
     bool emits() const { return emission.x > 0 || emission.y > 0 || emission.z > 0; }
 };
@@ -249,6 +254,9 @@ struct Scene {
     /// One an instance: 1 where an animation drives its morph weights, or its node or one of its joints or an ancestor
     /// of these.
     std::vector<std::uint8_t> movingInstances() const;
+
+    /// Whether cones take the surfaces of a material for leaves, as Matter says.
+    bool isLeaves(const Material& material) const;
 
     /// Triangles over all instances.
     std::size_t triangleCount() const;

@@ -114,4 +114,13 @@ std::vector<std::uint8_t> closedTriangles(const std::vector<glm::vec3>& position
     return closed;
 }
 
+std::size_t degenerateTriangles(const std::vector<glm::vec3>& positions, const std::vector<std::uint32_t>& indices) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
+        const glm::dvec3 a(positions[indices[i]]), b(positions[indices[i + 1]]), c(positions[indices[i + 2]]);
+        count += glm::cross(b - a, c - a) == glm::dvec3(0);
+    }
+    return count;
+}
+
 }  // namespace voxcone

@@ -14,4 +14,7 @@ namespace voxcone {
 std::vector<std::uint8_t> closedTriangles(const std::vector<glm::vec3>& positions,
                                           const std::vector<std::uint32_t>& indices);
 
+/// Triangles of the indexed list that have no area: voxels hold nothing of them.
+std::size_t degenerateTriangles(const std::vector<glm::vec3>& positions, const std::vector<std::uint32_t>& indices);
+
 }  // namespace voxcone

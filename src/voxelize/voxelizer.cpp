@@ -13,7 +13,7 @@ namespace voxcone {
 
 namespace {
 
-constexpr int kIndexImage = 0, kOtherIndexImage = 1, kPositiveImage = 2, kNegativeImage = 3;
+constexpr int kIndexImage = 0, kOtherIndexImage = 1, kPositiveImage = 2, kNegativeImage = 3, kLeafImage = 4;
 
 std::string onOff(bool value) {
     return value ? "1" : "0";
@@ -55,6 +55,20 @@ void bindVolumes(gl::Program& program, const Voxels& voxels) {
     bindImage(program, "u_movingIndex", voxels.movingIndex, kOtherIndexImage, GL_READ_WRITE);
     bindImage(program, "u_coveragePositive", voxels.coveragePositive, kPositiveImage, GL_WRITE_ONLY);
     bindImage(program, "u_coverageNegative", voxels.coverageNegative, kNegativeImage, GL_WRITE_ONLY);
+    bindImage(program, "u_leaves", voxels.leafDepth, kLeafImage, GL_WRITE_ONLY);
+}
+
+/// The buffers of records that new ones are made in, but for the sums.
+void bindRecords(const Voxels& voxels) {
+    const auto bind = [](const gl::Buffer& buffer, int block) {
+        if (buffer) buffer.bindBase(GL_SHADER_STORAGE_BUFFER, block);
+    };
+    bind(voxels.freeSlots, kFreeStorage);
+    bind(voxels.fresh, kFreshStorage);
+    bind(voxels.places, kPlaceStorage);
+    bind(voxels.faces, kFaceStorage);
+    bind(voxels.emission, kEmissionStorage);
+    bind(voxels.coverage, kCoverageStorage);
 }
 
 /// The boxes of each mip that hold the children of `regions`.
@@ -88,6 +102,9 @@ Voxelizer::Voxelizer(const gl::Context& context, const gl::ShaderLibrary& shader
       emission_(scene.anyEmission()),
       layers_(scene.anyMoving()) {
     const bool cas = settings_.averaging == VoxelAveraging::compare_and_swap;
+    // Other compositing takes all matter for one kind, and binary coverage knows no share.
+    leaves_ = scene.anyLeaves() && !cas && settings_.coverage == VoxelCoverage::area &&
+              settings.cone.compositing == Compositing::linear;
     const gl::Defines defines{
         {"COMPARE_AND_SWAP", onOff(cas)},
         {"EMISSION", onOff(emission_)},
@@ -95,6 +112,7 @@ Voxelizer::Voxelizer(const gl::Context& context, const gl::ShaderLibrary& shader
         {"CONSERVATIVE", onOff(settings_.conservative)},
         {"SIX_FACE", onOff(settings_.storage == VoxelStorage::six_face)},
         {"LAYERS", layers_ ? "2" : "1"},
+        {"LEAVES", onOff(leaves_)},
     };
     clear_ = shaders.compute("voxelize/clear.comp", defines);
     mark_ = shaders.graphics({"voxelize/voxelize.vert", "voxelize/voxelize.geom", "voxelize/mark.frag"}, defines);
@@ -104,6 +122,10 @@ Voxelizer::Voxelizer(const gl::Context& context, const gl::ShaderLibrary& shader
         shaders.graphics({"voxelize/voxelize.vert", "voxelize/voxelize.geom", "voxelize/accumulate.frag"}, defines);
     resolve_ = shaders.compute("voxelize/resolve.comp", defines);
     resolveMip_ = shaders.compute("voxelize/mip_resolve.comp", defines);
+    if (leaves_) {
+        matter_ = shaders.compute("voxelize/matter.comp", defines);
+        matterMip_ = shaders.compute("voxelize/matter_mip.comp", defines);
+    }
 
     // 24 bits for the brightest emitter: one of a millionth of it is still stored to 6 %. Compare-and-swap keeps 8
     // bits. The clamp is for unlit materials that are black.
@@ -117,6 +139,7 @@ Voxels Voxelizer::allocate(const ClipmapLayout& layout) const {
     voxels.layout = layout;
     voxels.origin = layout.origin;
     voxels.emits = emission_;
+    voxels.leaves = leaves_;
     const auto volume = [](GLenum format, const ClipmapVolume& shape) {
         const glm::ivec3 size = shape.size();
         gl::Texture texture = gl::Texture::create3D(format, size.x, size.y, size.z);
@@ -128,7 +151,8 @@ Voxels Voxelizer::allocate(const ClipmapLayout& layout) const {
     if (layers_) voxels.movingIndex = volume(GL_R32UI, plain);
     voxels.coveragePositive = volume(GL_RGB10_A2, bordered);
     if (settings_.storage == VoxelStorage::six_face) voxels.coverageNegative = volume(GL_RGB10_A2, bordered);
-    for (gl::Texture* texture : {&voxels.coveragePositive, &voxels.coverageNegative})
+    if (leaves_) voxels.leafDepth = volume(GL_R11F_G11F_B10F, bordered);
+    for (gl::Texture* texture : {&voxels.coveragePositive, &voxels.coverageNegative, &voxels.leafDepth})
         if (*texture) texture->filter(GL_LINEAR, GL_LINEAR);
     return voxels;
 }
@@ -151,6 +175,7 @@ void Voxelizer::reserve(std::uint32_t records, Voxels& voxels) const {
     voxels.freeSlots = grown(voxels.freeSlots, capacity * sizeof(std::uint32_t));
     voxels.faces = grown(voxels.faces, faceBytes);
     voxels.coverage = grown(voxels.coverage, capacity * sizeof(glm::uvec2));
+    if (leaves_) voxels.matter = grown(voxels.matter, capacity * sizeof(glm::uvec4));
     if (emission_) voxels.emission = grown(voxels.emission, std::size_t{6} * sizeof(std::uint32_t) * capacity);
     voxels.capacity = capacity;
 }
@@ -166,6 +191,7 @@ void Voxelizer::clear(const std::vector<Region>& regions, bool moving, Voxels& v
     }
     voxels.places.bindBase(GL_SHADER_STORAGE_BUFFER, kPlaceStorage);
     voxels.coverage.bindBase(GL_SHADER_STORAGE_BUFFER, kCoverageStorage);
+    if (leaves_) voxels.matter.bindBase(GL_SHADER_STORAGE_BUFFER, kMatterStorage);
     voxels.freeSlots.bindBase(GL_SHADER_STORAGE_BUFFER, kFreeStorage);
     for (const Region& region : regions) dispatchBox(clear_, region);
     gl::memoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
@@ -238,7 +264,8 @@ void Voxelizer::allocateRecords(const ClipmapUpdate& update, const std::vector<R
 void Voxelizer::accumulate(const gl::GpuScene& scene, const std::vector<Region>& regions, bool moving,
                            std::uint32_t first, std::uint32_t count, Voxels& voxels) {
     const bool cas = settings_.averaging == VoxelAveraging::compare_and_swap;
-    const std::size_t recordBytes = 6 * sizeof(std::uint32_t) * static_cast<std::size_t>(faceWords(cas, emission_));
+    const std::size_t recordBytes =
+        6 * sizeof(std::uint32_t) * static_cast<std::size_t>(faceWords(cas, emission_, leaves_));
     // No more than one dispatch of the resolve may hold, either.
     const std::size_t most =
         std::clamp<std::size_t>(static_cast<std::size_t>(maxRecordBytes_) / recordBytes, 1, 65535 * 64);
@@ -259,21 +286,23 @@ void Voxelizer::accumulate(const gl::GpuScene& scene, const std::vector<Region>&
             draw(accumulate_, scene, region, moving, voxels, gl::TextureFiltering::isotropic);
         gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 
-        const auto bind = [](const gl::Buffer& buffer, int block) {
-            if (buffer) buffer.bindBase(GL_SHADER_STORAGE_BUFFER, block);
+        const auto resolve = [&](gl::Program& program) {
+            voxels.setClipmapUniforms(program);
+            bindVolumes(program, voxels);
+            program.set("u_emissionUnit", emissionUnit_);
+            program.set("u_freeCount", voxels.freeCount);
+            program.set("u_firstSlot", voxels.slots);
+            dispatchRecords(program, first + done, part);
         };
-        bind(voxels.freeSlots, kFreeStorage);
-        bind(voxels.fresh, kFreshStorage);
-        bind(voxels.places, kPlaceStorage);
-        bind(voxels.faces, kFaceStorage);
-        bind(voxels.emission, kEmissionStorage);
-        bind(voxels.coverage, kCoverageStorage);
-        voxels.setClipmapUniforms(resolve_);
-        bindVolumes(resolve_, voxels);
-        resolve_.set("u_emissionUnit", emissionUnit_);
-        resolve_.set("u_freeCount", voxels.freeCount);
-        resolve_.set("u_firstSlot", voxels.slots);
-        dispatchRecords(resolve_, first + done, part);
+        bindRecords(voxels);
+        if (leaves_) {
+            voxels.matter.bindBase(GL_SHADER_STORAGE_BUFFER, kMatterStorage);
+            resolve(matter_);
+            // The list that it reads becomes one of slots, and the marks in the index volumes numbers of records.
+            gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+        }
+        voxels.faces.bindBase(GL_SHADER_STORAGE_BUFFER, kFaceStorage);
+        resolve(resolve_);
         gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
                           GL_BUFFER_UPDATE_BARRIER_BIT);
     }
@@ -293,8 +322,8 @@ void Voxelizer::update(const gl::GpuScene& scene, const ClipmapUpdate& update, V
         gl::memoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
                           GL_SHADER_STORAGE_BARRIER_BIT);
         if (update.all) {
-            for (gl::Texture* texture :
-                 {&voxels.index, &voxels.movingIndex, &voxels.coveragePositive, &voxels.coverageNegative})
+            for (gl::Texture* texture : {&voxels.index, &voxels.movingIndex, &voxels.coveragePositive,
+                                         &voxels.coverageNegative, &voxels.leafDepth})
                 if (*texture) texture->clear();
             voxels.slots = voxels.freeCount = 0;
         } else if (voxels.slots > 0) {
@@ -332,14 +361,22 @@ void Voxelizer::update(const gl::GpuScene& scene, const ClipmapUpdate& update, V
     {
         const auto pass = timers.pass("voxelize: mips");
         const std::uint32_t surfaces = fixed + moving, fresh = voxels.counters.fresh;
-        voxels.setClipmapUniforms(resolveMip_);
-        bindVolumes(resolveMip_, voxels);
-        resolveMip_.set("u_freeCount", voxels.freeCount);
-        resolveMip_.set("u_firstSlot", voxels.slots);
-        for (int level = voxels.layout.levels; level < voxels.layout.count() && fresh > surfaces; ++level) {
-            resolveMip_.set("u_level", level);
-            dispatchRecords(resolveMip_, surfaces, fresh - surfaces);
+        bindRecords(voxels);
+        const auto resolve = [&](gl::Program& program, int level) {
+            voxels.setClipmapUniforms(program);
+            bindVolumes(program, voxels);
+            program.set("u_freeCount", voxels.freeCount);
+            program.set("u_firstSlot", voxels.slots);
+            program.set("u_level", level);
+            dispatchRecords(program, surfaces, fresh - surfaces);
             gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+        };
+        for (int level = voxels.layout.levels; level < voxels.layout.count() && fresh > surfaces; ++level) {
+            voxels.faces.bindBase(GL_SHADER_STORAGE_BUFFER, kFaceStorage);
+            resolve(resolveMip_, level);
+            if (!leaves_) continue;
+            voxels.matter.bindBase(GL_SHADER_STORAGE_BUFFER, kMatterStorage);
+            resolve(matterMip_, level);
         }
         gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
         voxels.counters = counters.read<VoxelCounters>()[0];

@@ -42,9 +42,9 @@ class Voxelizer {
 
     Settings::Voxel settings_;
     std::int64_t maxStorageBytes_, maxRecordBytes_;
-    bool emission_, layers_;
+    bool emission_, layers_, leaves_;
     float emissionUnit_ = 0;
-    gl::Program clear_, mark_, allocate_, markMip_, accumulate_, resolve_, resolveMip_;
+    gl::Program clear_, mark_, allocate_, markMip_, accumulate_, resolve_, resolveMip_, matter_, matterMip_;
     gl::Framebuffer framebuffer_;
 };
 

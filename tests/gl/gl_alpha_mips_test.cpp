@@ -30,6 +30,20 @@ TEST(AlphaMips, WhatIsNotThereHasNoColour) {
     for (std::size_t i = 3; i < image.size(); i += 4) EXPECT_EQ(levels[0][i], image[i]);
 }
 
+TEST(AlphaMips, AMaskKeepsItsShare) {
+    // Three of eight texels reach the cutoff; their alpha averages to 0.41, and only their colour counts.
+    Bytes image;
+    for (const int alpha : {255, 200, 90, 90, 128, 0, 40, 40}) {
+        const int green = alpha >= 128 ? 180 : 20;
+        for (const int value : {0, green, 0, alpha}) image.push_back(static_cast<std::uint8_t>(value));
+    }
+    const auto levels = alphaWeightedMips(8, 1, image, 0.5f);
+    ASSERT_EQ(levels.size(), 4u);
+    EXPECT_EQ(levels[0], alphaWeightedMips(8, 1, image)[0]) << "the finest level is not cut";
+    EXPECT_EQ(levels[1], (Bytes{0, 180, 0, 255, 0, 180, 0, 0, 0, 180, 0, 128, 0, 180, 0, 0}));
+    EXPECT_EQ(levels[3], (Bytes{0, 180, 0, 96}));
+}
+
 TEST(AlphaMips, AveragesAreOfLinearLightAndWeighted) {
     // 255 at alpha 1 and 0 at alpha 1/3: three quarters of the light, two thirds of the alpha.
     const auto levels = alphaWeightedMips(2, 1, Bytes{255, 255, 255, 255, 0, 0, 0, 85});

@@ -270,11 +270,14 @@ TEST_F(Twins, Rgb9e5) {
 
 TEST_F(Twins, Records) {
     for (const bool cas : {false, true})
-        for (const bool emission : {false, true}) {
-            gl::Program sizes = compile("#include \"voxelize/sums.glsl\"\n", "put(uint(kFaceWords));",
-                                        {{"COMPARE_AND_SWAP", cas ? "1" : "0"}, {"EMISSION", emission ? "1" : "0"}});
-            EXPECT_EQ(run(sizes, {0}, 1, 1)[0], static_cast<std::uint32_t>(faceWords(cas, emission)));
-        }
+        for (const bool emission : {false, true})
+            for (const bool leaves : {false, true}) {
+                gl::Program sizes = compile("#include \"voxelize/sums.glsl\"\n", "put(uint(kFaceWords));",
+                                            {{"COMPARE_AND_SWAP", cas ? "1" : "0"},
+                                             {"EMISSION", emission ? "1" : "0"},
+                                             {"LEAVES", leaves ? "1" : "0"}});
+                EXPECT_EQ(run(sizes, {0}, 1, 1)[0], static_cast<std::uint32_t>(faceWords(cas, emission, leaves)));
+            }
     gl::Program program = compile("#include \"cascade/records.glsl\"\n", R"(
     vec3 a = nextVec3();
     uint x = nextUint(), y = nextUint(), z = nextUint(), level = nextUint(), moving = nextUint();

@@ -66,7 +66,7 @@ TEST_F(VoxelOrder, PartsOfTheSumsMakeTheSameVoxels) {
     const Scene scene = crowded();
     VoxelizeLab lab(voxelSettings(32), scene);
     const VoxelMap whole = lab.voxelize(scene, unitGrid(32));
-    const std::int64_t recordBytes = 6 * 4 * faceWords(false, true);
+    const std::int64_t recordBytes = 6 * 4 * faceWords(false, true, false);
     for (const std::int64_t records : {std::int64_t{400}, std::int64_t{97}}) {
         lab.voxelizer().limitRecordBytes(records * recordBytes + 5);
         const VoxelMap parts = lab.voxelize(scene, unitGrid(32));

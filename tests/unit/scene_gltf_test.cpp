@@ -210,6 +210,45 @@ TEST_F(GltfTest, MaterialsWithTheirExtensions) {
     EXPECT_EQ(scene.materials[1].metallic, 1.0f);
 }
 
+TEST_F(GltfTest, ExtrasSayWhatLeavesAre) {
+    for (const auto& extras :
+         {nlohmann::json{{"voxcone_matter", "leaves"}, {"other", 1}}, nlohmann::json{{"voxcone_matter", "solid"}},
+          nlohmann::json{{"other", 1}}, nlohmann::json(7)})
+        builder.append("materials", {{"extras", extras}});
+    const Scene scene = load();
+    EXPECT_EQ(scene.materials.at(0).matter, Matter::leaves);
+    EXPECT_EQ(scene.materials.at(1).matter, Matter::solid);
+    EXPECT_EQ(scene.materials.at(2).matter, Matter::automatic);
+    EXPECT_EQ(scene.materials.at(3).matter, Matter::automatic);
+}
+
+TEST(Leaves, AreWhatLetsLightThroughByItsAlpha) {
+    Scene scene;
+    Texture texture;
+    texture.width = 2, texture.height = 1;
+    texture.rgba8 = {9, 9, 9, 255, 9, 9, 9, 100};
+    scene.textures.push_back(texture);
+    const auto leaves = [&](AlphaMode mode, float factor, float cutoff, bool textured,
+                            Matter matter = Matter::automatic) {
+        Material material;
+        material.alphaMode = mode;
+        material.baseColor.a = factor;
+        material.alphaCutoff = cutoff;
+        material.baseColorTexture.texture = textured ? 0 : -1;
+        material.matter = matter;
+        return scene.isLeaves(material);
+    };
+    EXPECT_FALSE(leaves(AlphaMode::opaque, 0.5f, 0.5f, true));
+    EXPECT_TRUE(leaves(AlphaMode::mask, 1, 0.5f, true));
+    EXPECT_FALSE(leaves(AlphaMode::mask, 1, 0.3f, true)) << "nothing is cut out";
+    EXPECT_FALSE(leaves(AlphaMode::mask, 1, 0.5f, false));
+    EXPECT_TRUE(leaves(AlphaMode::blend, 1, 0.5f, true));
+    EXPECT_TRUE(leaves(AlphaMode::blend, 0.9f, 0.5f, false));
+    EXPECT_FALSE(leaves(AlphaMode::blend, 1, 0.5f, false)) << "opaque everywhere";
+    EXPECT_TRUE(leaves(AlphaMode::opaque, 1, 0.5f, false, Matter::leaves));
+    EXPECT_FALSE(leaves(AlphaMode::mask, 1, 0.5f, true, Matter::solid));
+}
+
 TEST_F(GltfTest, HierarchiesWithMirrorsAreMultipliedInDouble) {
     const int child = builder.show(
         {{"attributes", {{"POSITION", builder.positions(kQuad)}}}, {"indices", builder.indices(kQuadIndices)}},
@@ -380,6 +419,12 @@ TEST(ClosedTriangles, CubeIsClosedAndQuadIsNot) {
     EXPECT_THAT(closedTriangles(quad, {0, 1, 2, 0, 2, 3}), ElementsAre(0, 0));
     // The same quad seen from both sides encloses nothing.
     EXPECT_THAT(closedTriangles(quad, {0, 1, 2, 0, 2, 3, 0, 2, 1, 0, 3, 2}), Each(0));
+}
+
+TEST(DegenerateTriangles, AreThoseOnALine) {
+    const std::vector<glm::vec3> p{{0, 0, 0}, {1, 1, 1}, {3, 3, 3}, {0, 1, 0}};
+    EXPECT_EQ(degenerateTriangles(p, {0, 1, 2, 0, 0, 3, 1, 1, 1, 0, 1, 3, 2, 3, 0}), 3u);
+    EXPECT_EQ(degenerateTriangles({}, {}), 0u);
 }
 
 TEST(ClosedTriangles, InsideOutOpenAndMisorientedCubesAreNotClosed) {

@@ -284,6 +284,10 @@ TEST_F(MalformedTest, MaterialsLightsAndCameras) {
     refused("materials[0].pbrMetallicRoughness.roughnessFactor", "is 1.5, outside [0, 1]");
     builder.json["materials"] = json::array({{{"alphaMode", "GLASS"}}});
     refused("materials[0].alphaMode", "'GLASS'");
+    builder.json["materials"] = json::array({{{"extras", {{"voxcone_matter", "hedge"}}}}});
+    refused("materials[0].extras.voxcone_matter", "'hedge'");
+    builder.json["materials"] = json::array({{{"extras", {{"voxcone_matter", 1}}}}});
+    refused("materials[0].extras.voxcone_matter", "is not a string");
     builder.json["materials"] = json::array({{{"extensions", {{"KHR_materials_ior", {{"ior", 0.5}}}}}}});
     refused("materials[0].extensions.KHR_materials_ior.ior", "0.5");
     // Rounding of an exporter is no reason.

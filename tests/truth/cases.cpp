@@ -478,7 +478,7 @@ std::vector<Case> makeCases() {
          7.0 / 64,
          3,
          convexEdge},
-        {"B2", "Wall", {{"beside a wall 16 voxels high, to 20 away", {kOpenness}}}, 128, 0.125, 2, wall},
+        {"B2", "Wall", {{"beside a wall 16 voxels high, to 20 away", {{Figure::rms, {0.035, 0.025}}}}}, 128, 0.125, 2, wall},
         {"B2",
          "WallBySixCones",
          {{"the same by 6 cones", {{Figure::rms, {0.06, 0.06}}}}},

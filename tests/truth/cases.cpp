@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "support/closed_forms.h"
 #include "frame/renderer.h"
 #include "reference/path_tracer.h"
+#include "support/closed_forms.h"
 #include "support/shapes.h"
 
 namespace voxcone::test {
@@ -478,7 +478,13 @@ std::vector<Case> makeCases() {
          7.0 / 64,
          3,
          convexEdge},
-        {"B2", "Wall", {{"beside a wall 16 voxels high, to 20 away", {{Figure::rms, {0.035, 0.025}}}}}, 128, 0.125, 2, wall},
+        {"B2",
+         "Wall",
+         {{"beside a wall 16 voxels high, to 20 away", {{Figure::rms, {0.035, 0.025}}}}},
+         128,
+         0.125,
+         2,
+         wall},
         {"B2",
          "WallBySixCones",
          {{"the same by 6 cones", {{Figure::rms, {0.06, 0.06}}}}},

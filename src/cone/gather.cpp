@@ -9,6 +9,7 @@ namespace {
 // The cones come first, the G-buffer behind them, and one more is a pass' own.
 constexpr int kConeUnit = gl::kPassTextureUnit, kGBufferUnit = kConeUnit + kConeUnits, kOwnUnit = gl::kEnvironmentUnit;
 constexpr int kOutputImage = 0;
+constexpr int kShadowCones = 16;
 
 gl::Defines merged(gl::Defines a, const gl::Defines& b) {
     a.insert(b.begin(), b.end());
@@ -88,7 +89,7 @@ void SpecularPass::run(const RadianceVolume& volume, const Sky& sky, const BindG
 SoftShadowPass::SoftShadowPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels,
                                const gl::Defines& gbufferDefines, int width, int height)
     : settings_(settings) {
-    gl::Defines defines = merged(coneDefines(settings, voxels, Sky{}), gbufferDefines);
+    gl::Defines defines = merged(coneSetDefines(settings, voxels, Sky{}, kShadowCones), gbufferDefines);
     defines["AO_DISTANCE"] = "0";
     program_ = shaders.compute("cone/soft_shadow.comp", defines);
     visibility_ = gl::Texture::create2D(GL_R32F, width, height);

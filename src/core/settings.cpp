@@ -206,7 +206,7 @@ std::vector<Field> fields(Settings& s) {
         choice("ao.falloff", s.ao.falloff, {"none", "linear", "square_root"},
                "weight of an occluder over its distance"),
         flag("shadow.cones", s.shadow.cones,
-             "trace a cone to the first light for the channel soft_shadow; direct light keeps its shadow maps"),
+             "trace cones to the first light for the channel soft_shadow; direct light keeps its shadow maps"),
         integer("reference.samples", s.reference.samples, 2, 1 << 20, "per pixel", "paths of the reference"),
         number("reference.error", s.reference.error, 0, 1, "",
                "stop early when the reference's own relative error is below this; 0 = never"),

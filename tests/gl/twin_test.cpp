@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <numbers>
 #include <random>
@@ -12,11 +13,15 @@
 #include "cone/cone_set.h"
 #include "cone/cone_uniforms.h"
 #include "core/rgb9e5.h"
+#include "gl/bindings.h"
 #include "gl/buffer.h"
 #include "gl/shader_library.h"
+#include "light/light_layout.h"
+#include "light/shadow_maps.h"
 #include "scene/brdf.h"
 #include "scene/environment.h"
 #include "scene/light_math.h"
+#include "support/closed_forms.h"
 #include "support/gl_context.h"
 
 namespace voxcone {
@@ -183,6 +188,146 @@ TEST_F(Twins, LightMath) {
         expectNear(results.next(), spotFalloff(a, b, c), 1e-5f, 1e-4f);
         expectNear(results.next(), rangeWindow(d, r), 1e-5f, 1e-5f);
     }
+}
+
+TEST_F(Twins, BindingPoints) {
+    gl::Program program = compile("#include \"shared/bindings.glsl\"\n#include \"light/lights.glsl\"\n", R"(
+    put(uint(BASE_COLOR_UNIT)); put(uint(METALLIC_ROUGHNESS_UNIT)); put(uint(NORMAL_UNIT)); put(uint(EMISSION_UNIT));
+    put(uint(ENVIRONMENT_UNIT)); put(uint(PASS_TEXTURE_UNIT)); put(uint(OBJECT_STORAGE)); put(uint(MATERIAL_BLOCK));
+    put(uint(POSITION_LOCATION)); put(uint(NORMAL_LOCATION)); put(uint(TANGENT_LOCATION));
+    put(uint(TEX_COORD_0_LOCATION)); put(uint(TEX_COORD_1_LOCATION)); put(uint(COLOR_LOCATION));
+    put(uint(OBJECT_INDEX_LOCATION)); put(uint(LIGHT_STORAGE)); put(uint(SHADOW_VIEW_STORAGE));
+    put(uint(SHADOW_DEPTH_UNIT));
+    put(LIGHT_DIRECTIONAL); put(LIGHT_POINT); put(LIGHT_SPOT); put(LIGHT_SPHERE); put(LIGHT_RECTANGLE);
+)");
+    Words expected;
+    for (const int value : {int{gl::kBaseColorUnit},
+                            int{gl::kMetallicRoughnessUnit},
+                            int{gl::kNormalUnit},
+                            int{gl::kEmissionUnit},
+                            gl::kEnvironmentUnit,
+                            gl::kPassTextureUnit,
+                            gl::kObjectStorage,
+                            gl::kMaterialBlock,
+                            int{gl::kPositionLocation},
+                            int{gl::kNormalLocation},
+                            int{gl::kTangentLocation},
+                            int{gl::kTexCoord0Location},
+                            int{gl::kTexCoord1Location},
+                            int{gl::kColorLocation},
+                            int{gl::kObjectIndexLocation},
+                            kLightStorage,
+                            kShadowViewStorage,
+                            kShadowDepthUnit,
+                            int(LightType::directional),
+                            int(LightType::point),
+                            int(LightType::spot),
+                            int(LightType::sphere),
+                            int(LightType::rectangle)})
+        expected.push_back(static_cast<std::uint32_t>(value));
+    EXPECT_EQ(run(program, {0}, 1, expected.size()), expected);
+}
+
+TEST_F(Twins, LightAndShadowRecords) {
+    // Each field is read as the word that stands where C++ puts it; every word of the second record is different.
+    gl::Program program = compile("#include \"light/lights.glsl\"\n", R"(
+    Light a = b_lights[1];
+    put(a.position); put(a.type); put(a.direction); put(a.range); put(a.intensity); put(a.radius); put(a.right);
+    put(a.halfWidth); put(a.up); put(a.halfHeight); put(a.cosInnerCone); put(a.cosOuterCone); put(a.stratumSize);
+    put(a.firstView); put(a.faces); put(a.samples);
+    ShadowView v = b_shadowViews[1];
+    put(v.origin); put(v.texel); put(v.right); put(v.scale); put(v.up); put(v.perspective); put(v.forward);
+    put(v.maxKernel); put(v.tileCenter.x); put(v.tileCenter.y); put(v.tileHalfSize.x); put(v.tileHalfSize.y);
+    put(v.depth.x); put(v.depth.y); put(v.filterRadius);
+)");
+    const auto words = [&](std::size_t bytes) {
+        Words w;
+        for (std::size_t i = 0; i < 2 * bytes / 4; ++i) push(w, 1.0f + static_cast<float>(i));
+        return w;
+    };
+    const Words lights = words(sizeof(LightRecord)), views = words(sizeof(ShadowViewRecord));
+    const gl::Buffer lightBuffer = gl::Buffer::of(lights), viewBuffer = gl::Buffer::of(views);
+    lightBuffer.bindBase(GL_SHADER_STORAGE_BUFFER, kLightStorage);
+    viewBuffer.bindBase(GL_SHADER_STORAGE_BUFFER, kShadowViewStorage);
+    Words expected;
+    const auto field = [&](const Words& from, std::size_t size, std::size_t offset, std::size_t count) {
+        for (std::size_t i = 0; i < count; ++i) expected.push_back(from[(size + offset) / 4 + i]);
+    };
+    for (const auto& [offset, count] :
+         std::initializer_list<std::pair<std::size_t, std::size_t>>{{offsetof(LightRecord, position), 3},
+                                                                    {offsetof(LightRecord, type), 1},
+                                                                    {offsetof(LightRecord, direction), 3},
+                                                                    {offsetof(LightRecord, range), 1},
+                                                                    {offsetof(LightRecord, intensity), 3},
+                                                                    {offsetof(LightRecord, radius), 1},
+                                                                    {offsetof(LightRecord, right), 3},
+                                                                    {offsetof(LightRecord, halfWidth), 1},
+                                                                    {offsetof(LightRecord, up), 3},
+                                                                    {offsetof(LightRecord, halfHeight), 1},
+                                                                    {offsetof(LightRecord, cosInnerCone), 1},
+                                                                    {offsetof(LightRecord, cosOuterCone), 1},
+                                                                    {offsetof(LightRecord, stratumSize), 1},
+                                                                    {offsetof(LightRecord, firstView), 1},
+                                                                    {offsetof(LightRecord, faces), 1},
+                                                                    {offsetof(LightRecord, samples), 1}})
+        field(lights, sizeof(LightRecord), offset, count);
+    for (const auto& [offset, count] :
+         std::initializer_list<std::pair<std::size_t, std::size_t>>{{offsetof(ShadowViewRecord, origin), 3},
+                                                                    {offsetof(ShadowViewRecord, texel), 1},
+                                                                    {offsetof(ShadowViewRecord, right), 3},
+                                                                    {offsetof(ShadowViewRecord, scale), 1},
+                                                                    {offsetof(ShadowViewRecord, up), 3},
+                                                                    {offsetof(ShadowViewRecord, perspective), 1},
+                                                                    {offsetof(ShadowViewRecord, forward), 3},
+                                                                    {offsetof(ShadowViewRecord, maxKernel), 1},
+                                                                    {offsetof(ShadowViewRecord, tileCenter), 2},
+                                                                    {offsetof(ShadowViewRecord, tileHalfSize), 2},
+                                                                    {offsetof(ShadowViewRecord, depth), 2},
+                                                                    {offsetof(ShadowViewRecord, filterRadius), 1}})
+        field(views, sizeof(ShadowViewRecord), offset, count);
+    EXPECT_EQ(run(program, {0}, 1, expected.size()), expected);
+}
+
+// Not twins in code, but the same laws: form factors by which the device lights, and by which the tests judge it.
+TEST_F(Twins, FormFactors) {
+    gl::Program program = compile("#include \"light/lights.glsl\"\n", R"(
+    vec3 center = nextVec3(), n = nextVec3(), direction = nextVec3(), right = nextVec3(), up = nextVec3();
+    put(sphereFormFactorOverRadius2(center, n, nextFloat()));
+    put(rectangleFormFactor(center, direction, right, up, n));
+)");
+    struct Input {
+        glm::vec3 center, n, direction, right, up;
+        float radius;
+    };
+    std::vector<Input> inputs;
+    Words words;
+    for (int i = 0; i < 5000; ++i) {
+        Input in{uniform(0.5f, 4) * unit(), unit(), unit(), {}, {}, 0};
+        in.right = uniform(0.05f, 2) * glm::normalize(glm::cross(in.direction, unit()));
+        in.up = uniform(0.05f, 2) * glm::normalize(glm::cross(in.direction, in.right));
+        in.radius = uniform(0.02f, 0.95f) * glm::length(in.center);
+        inputs.push_back(in);
+        for (const glm::vec3& v : {in.center, in.n, in.direction, in.right, in.up}) push(words, v);
+        push(words, in.radius);
+    }
+    const Words out = run(program, words, 16, 2);
+    Results results{out};
+    const double kAngles = 1e-4;  // the device's acos and atan are polynomials
+    int cut = 0;
+    for (const Input& in : inputs) {
+        const glm::dvec3 n = glm::normalize(glm::dvec3(in.n)), center(in.center), right(in.right), up(in.up);
+        const double radius = static_cast<double>(in.radius);
+        const double sphere = test::sphereFactor(glm::dvec3(0), n, center, radius);
+        EXPECT_NEAR(static_cast<double>(results.next()) * radius * radius, sphere, kAngles);
+        const double height = glm::dot(center, n);
+        cut += std::abs(height) < radius;
+        const double rectangle =
+            glm::dot(center, glm::dvec3(in.direction)) >= 0
+                ? 0
+                : test::rectangleFactor(glm::dvec3(0), n, center - right - up, 2.0 * right, 2.0 * up);
+        EXPECT_NEAR(static_cast<double>(results.next()), rectangle, kAngles);
+    }
+    EXPECT_GT(cut, 500);
 }
 
 TEST_F(Twins, EnvironmentUv) {

@@ -113,10 +113,12 @@ VoxelLab::VoxelLab(gl::Context& context, const Scene& scene, const Settings& set
     : settings_(withVoxelSize(settings, voxelSize)),
       clipmap_(context, shaders_, scene, settings_),
       sky_{scene.environment.color},
-      field_(shaders_, settings_, clipmap_.voxels(), sky_, false) {
+      shadowMaps_(context, shaders_, settings_.light),
+      field_(shaders_, settings_, clipmap_.voxels(), sky_, !scene.lights.empty()) {
     clipmap_.show(eye);
+    shadowMaps_.update(clipmap_.gpuScene(), timers_);
     field_.update(
-        voxels(), sky_, RadianceField::Change{}, [](gl::Program&) {}, timers_);
+        voxels(), sky_, RadianceField::Change{}, [this](gl::Program& program) { shadowMaps_.bind(program); }, timers_);
 }
 
 std::vector<ConeProbeResult> VoxelLab::gather(const std::vector<ConeProbe>& probes) {

@@ -10,6 +10,7 @@
 #include "core/rgb9e5.h"
 #include "core/settings.h"
 #include "light/radiance.h"
+#include "light/shadow_maps.h"
 #include "support/gl_context.h"
 #include "voxelize/voxelizer.h"
 
@@ -71,6 +72,8 @@ class ClipmapLab {
 
     const Voxels& voxels() const { return voxels_; }
     const ClipmapLayout& layout() const { return voxels_.layout; }
+    /// As of the last show().
+    const gl::GpuScene& gpuScene() const { return gpuScene_; }
 
   private:
     const Scene& scene_;
@@ -85,10 +88,11 @@ class ClipmapLab {
 class VoxelLab {
   public:
     /// The last level fits the scene unless `voxelSize`, the edge of level 0's voxels, is given. Finer levels are
-    /// around `eye` (world). The sky is the scene's constant environment colour; analytic lights are left out.
+    /// around `eye` (world). The sky is the scene's constant environment colour.
     VoxelLab(gl::Context& context, const Scene& scene, const Settings& settings, double voxelSize = 0,
              const glm::dvec3& eye = glm::dvec3(0));
 
+    /// What cones gather: light from analytic lights only after a bounce.
     std::vector<ConeProbeResult> gather(const std::vector<ConeProbe>& probes);
 
     const Voxels& voxels() const { return clipmap_.voxels(); }
@@ -100,6 +104,7 @@ class VoxelLab {
     ClipmapLab clipmap_;
     Sky sky_;
     gl::PassTimers timers_{gl::TimerMode::finish};
+    ShadowMaps shadowMaps_;
     RadianceField field_;
 };
 

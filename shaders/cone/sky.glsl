@@ -9,14 +9,16 @@ uniform vec3 u_environmentColor;  // radiance; multiplies the panorama
 #endif
 
 #if SKY == 2
+int skyRows(int level) { return max(textureSize(u_environment, 0).y >> level, 1); }
+
 /// Half-angle of the cones that mip `level` holds the means over.
 float skyAngle(int level) {
     const float pi = 3.14159265;
-    return level == 0 ? 0.0 : min(2.0 * pi / float(textureSize(u_environment, level).y), pi);
+    return level == 0 ? 0.0 : min(2.0 * pi / float(skyRows(level)), pi);
 }
 
 vec3 skyLevel(vec2 uv, int level) {
-    float rows = float(textureSize(u_environment, level).y);
+    float rows = float(skyRows(level));
     if (level > 0) uv.y = (uv.y * (rows - 1.0) + 0.5) / rows;  // first and last row are the poles
     return textureLod(u_environment, uv, float(level)).rgb;
 }
@@ -28,7 +30,7 @@ vec3 skyRadiance(vec3 direction, float tanHalfAngle) {
     const float pi = 3.14159265;
     vec2 uv = environmentUv(direction, u_environmentRotation);
     float angle = atan(tanHalfAngle);
-    float lod = log2(max(angle * float(textureSize(u_environment, 0).y) / (2.0 * pi), 1.0));
+    float lod = log2(max(angle * float(skyRows(0)) / (2.0 * pi), 1.0));
     int coarsest = textureQueryLevels(u_environment) - 1;
     int level = min(int(lod), max(coarsest - 1, 0));
     float own = skyAngle(level), next = skyAngle(min(level + 1, coarsest));

@@ -6,7 +6,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D u_gathered;
-uniform sampler2D u_specularAlbedo;  // (A, B) over (n·v, roughness): f0 A + f90 B
+uniform sampler2D u_specularAlbedo;  // light/specular_table.h
 uniform float u_smoothAlpha;
 layout(rgba32f) uniform writeonly image2D u_specular;
 
@@ -36,7 +36,9 @@ void main() {
             }
         }
 #endif
-        vec2 parts = textureLod(u_specularAlbedo, vec2(max(dot(s.normal, s.toEye), 1e-3), sqrt(s.surface.alpha)), 0.0).rg;
+        vec2 place = vec2(dot(s.normal, s.toEye), sqrt(s.surface.alpha));
+        float texels = float(textureSize(u_specularAlbedo, 0).x);
+        vec2 parts = textureLod(u_specularAlbedo, (place * (texels - 1.0) + 0.5) / texels, 0.0).rg;
         if (sum.a > 0.0) radiance = sum.rgb / sum.a * (s.surface.f0 * parts.x + s.surface.f90 * parts.y);
     }
     imageStore(u_specular, pixel, vec4(radiance, 1.0));

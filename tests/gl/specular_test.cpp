@@ -2,12 +2,11 @@
 // under a sky, whose reflections are known.
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <random>
 
-#include "cone/cone_uniforms.h"
 #include "frame/renderer.h"
 #include "gl/buffer.h"
 #include "gl/gpu_environment.h"
@@ -54,7 +53,7 @@ std::vector<glm::dvec3> cap(const glm::dvec3& axis, double halfAngle, int count)
     return out;
 }
 
-/// Runs a kernel over `count` groups of floats: `body` reads b_in[at...] and writes b_out[to...].
+/// Runs the kernel `text` once for each `inWidth` floats of `in`; it writes `outWidth` floats each.
 std::vector<float> compute(const std::string& text, const gl::Defines& defines, const std::vector<float>& in,
                            std::size_t inWidth, std::size_t outWidth, const std::function<void(gl::Program&)>& bind) {
     gl::Program program = gl::ShaderLibrary().computeFromText("specular_test.comp", text, defines);
@@ -126,14 +125,15 @@ TEST_F(SpecularSky, IsTheMeanOverTheCone) {
     for (std::size_t k = 0; k < angles.size(); ++k) {
         std::printf("sky over a cone of %5.1f degrees: RMSE %.4f, worst %.4f of mean %.3f\n", angles[k] * 180 / kPi,
                     std::sqrt(squares[k] / n), worst[k], truths[k] / n);
-        EXPECT_LT(std::sqrt(squares[k] / n), angles[k] == 0 ? 1e-3 : 0.02) << angles[k];
-        EXPECT_LT(worst[k], angles[k] == 0 ? 5e-3 : 0.08) << angles[k];
+        // Texture units weigh with eight bits. Mips that are as wide as the sky have few texels.
+        EXPECT_LT(std::sqrt(squares[k] / n), angles[k] < 0.4 ? 0.01 : 0.035) << angles[k];
+        EXPECT_LT(worst[k], angles[k] < 0.4 ? 0.025 : 0.12) << angles[k];
     }
 }
 
 using SpecularLobe = GlTest;
 
-/// The lobe's albedo and mean direction, as its cones have them, are those of the BRDF.
+/// Every weight is the BRDF's over the density, and their mean is the directional albedo.
 TEST_F(SpecularLobe, ConesAddUpToTheBrdf) {
     constexpr int kSamples = 4096;
     for (const double alpha : {0.02, 0.25, 0.5, 1.0})
@@ -159,12 +159,10 @@ TEST_F(SpecularLobe, ConesAddUpToTheBrdf) {
             surface.f0 = glm::vec3(0.5f);
             surface.f90 = 1;
             surface.alpha = static_cast<float>(alpha);
-            glm::dvec3 mean(0);
             double albedo = 0;
             for (std::size_t i = 0; i < kSamples; ++i) {
                 const glm::vec3 l(out[5 * i], out[5 * i + 1], out[5 * i + 2]);
                 const double weight = static_cast<double>(out[5 * i + 3]);
-                mean += weight * glm::dvec3(l);
                 albedo += weight / kSamples;
                 if (weight > 0) {
                     const double f = static_cast<double>(evaluateSpecular(surface, {0, 0, 1}, v, l).x * l.z);
@@ -186,14 +184,14 @@ class SpecularSphere : public GlTest {
 
     /// The pixels of a sphere of `material` under the sky, but for its rim, where a pixel's normal is not the mean of
     /// what it covers.
-    std::vector<Pixel> render(const Material& material, const Environment& sky, const char* preset = "balanced") {
+    std::vector<Pixel> render(const Material& material, const Environment& sky) {
         Scene scene = SceneBuilder().add(sphere(1, 4), material).build();
         scene.environment = sky;
         Settings settings;
-        applyPreset(settings, preset);
         settings.output.width = settings.output.height = kSize;
-        settings.voxel.resolution = 64;
-        settings.cone.diffuse = 6;
+        settings.voxel.resolution = 32;
+        settings.light.bounces = 1;
+        settings.cone.diffuse = 1;
         const Camera eye = camera({0.6, 0.8, 6}, {0, 0, 0}, 20);
         Renderer renderer(glContext(), scene, settings);
         renderer.render(eye);
@@ -212,7 +210,7 @@ class SpecularSphere : public GlTest {
         return out;
     }
 
-    static constexpr int kSize = 64;
+    static constexpr int kSize = 48;
 };
 
 Environment uniformSky() {
@@ -237,8 +235,8 @@ TEST_F(SpecularSphere, WhiteFurnace) {
             }
             std::printf("%s of roughness %.2f: mean %+.2f %%, worst %.1f %%\n", metal ? "metal" : "dielectric",
                         static_cast<double>(roughness), 100 * (sum / truths - 1), 100 * worst);
-            EXPECT_NEAR(sum / truths, 1, 0.01) << roughness << metal;
-            EXPECT_LT(worst, metal ? 0.02 : 0.05) << roughness << metal;
+            EXPECT_NEAR(sum / truths, 1, 0.003) << roughness << metal;
+            EXPECT_LT(worst, metal ? 0.005 : 0.03) << roughness << metal;
         }
 }
 
@@ -254,7 +252,7 @@ TEST_F(SpecularSphere, MirrorShowsTheSky) {
         truths += glm::dot(truth, truth);
         ++count;
     }
-    EXPECT_GT(count, 1000u);
+    EXPECT_GT(count, 800u);
     std::printf("mirror: relative RMSE %.4f\n", std::sqrt(squares / truths));
     EXPECT_LT(std::sqrt(squares / truths), 0.01);
 }
@@ -271,7 +269,6 @@ TEST_F(SpecularSphere, RoughOnesShowTheSkyThroughTheBrdf) {
         const std::vector<Pixel> pixels = render(glossy(glm::vec3(1), 1, roughness), sky);
         for (std::size_t i = 0; i < pixels.size(); i += 17) {
             const Pixel& pixel = pixels[i];
-            // Equal steps in the half-vector's u, which resolve narrow lobes.
             glm::dvec3 truth(0);
             const glm::dmat3 frame(yTo(pixel.normal));
             const glm::dvec3 v = glm::transpose(frame) * pixel.toEye;
@@ -298,8 +295,8 @@ TEST_F(SpecularSphere, RoughOnesShowTheSkyThroughTheBrdf) {
         }
         std::printf("roughness %.2f: relative RMSE %.3f, bias %+.2f %%\n", static_cast<double>(roughness),
                     std::sqrt(squares / truths), 100 * bias / means);
-        EXPECT_LT(std::sqrt(squares / truths), 0.06) << roughness;
-        EXPECT_LT(std::abs(bias / means), 0.02) << roughness;
+        EXPECT_LT(std::sqrt(squares / truths), roughness < 1 ? 0.07 : 0.13) << roughness;
+        EXPECT_LT(std::abs(bias / means), 0.01) << roughness;
     }
 }
 

@@ -239,8 +239,72 @@ def atrium(_):
     return w
 
 
+ROUGHNESSES = (0.0, 0.1, 0.25, 0.5, 0.75, 1.0)
+
+
+def spheres(_):
+    """Six dielectric spheres below six metal ones, roughness 0, 0.1, 0.25, 0.5, 0.75 and 1 from left to right, over a glossy
+    floor whose strips have the roughness of the spheres above them. Back and side walls are Lambert, ceiling and front are
+    open to the sky. spheres.hdr is the sky: a gradient with a bright patch behind the camera and a dark ground."""
+    w = Writer(spheres.__doc__)
+    width = 1.2
+    left = -width * len(ROUGHNESSES) / 2
+    floor = []
+    for i, roughness in enumerate(ROUGHNESSES):
+        x0, x1, y0, y1, z0, z1 = left + i * width, left + (i + 1) * width, -.3, 0.0, -2.5, 2.5
+        strip = Mesh()  # strips share their edges, so that the floor welds to one solid
+        for corners in (((x0, y0, z1), (x1, y0, z1), (x1, y1, z1), (x0, y1, z1)),
+                        ((x1, y0, z0), (x0, y0, z0), (x0, y1, z0), (x1, y1, z0)),
+                        ((x0, y1, z1), (x1, y1, z1), (x1, y1, z0), (x0, y1, z0)),
+                        ((x0, y0, z0), (x1, y0, z0), (x1, y0, z1), (x0, y0, z1))):
+            strip.append(shapes.quad(*corners))
+        if i == 0:
+            strip.append(shapes.quad((x0, y0, z0), (x0, y0, z1), (x0, y1, z1), (x0, y1, z0)))
+        if i == len(ROUGHNESSES) - 1:
+            strip.append(shapes.quad((x1, y0, z1), (x1, y0, z0), (x1, y1, z0), (x1, y1, z1)))
+        floor.append((strip, w.material(f"floor {roughness}", (.35, .33, .3), roughness)))
+    w.node("floor", w.mesh("floor", floor))
+    # Walls stand on the floor by a finger's overlap, so that no two faces lie in one plane.
+    right = -left
+    for name, color, low, high in (("back wall", (.6, .58, .5), (left + .02, -.1, -2.48), (right - .02, 3.2, -2.2)),
+                                   ("left wall", (.63, .065, .05), (left + .04, -.12, -2.3), (left + .3, 2.5, 2.2)),
+                                   ("right wall", (.12, .2, .55), (right - .3, -.12, -2.3), (right - .04, 2.5, 2.2))):
+        w.node(name, w.mesh(name, [(shapes.box(low, high), w.material(name, color, lambert=True))]))
+    ball = shapes.sphere(.42, 48, 24)
+    for row, color, metallic, y in (("metal", (.95, .93, .88), 1.0, 1.9), ("dielectric", (.1, .3, .15), 0.0, .66)):
+        for i, roughness in enumerate(ROUGHNESSES):
+            name = f"{row} {roughness}"
+            w.node(name, w.mesh(name, [(ball, w.material(name, color, roughness, metallic))]),
+                   translation=(.9 * (left + (i + .5) * width), y, 0))
+    w.files["spheres.hdr"] = rgbe(64, 32, spheres_sky)
+    return w
+
+
+def spheres_sky(x, y, z):
+    """Radiance from direction (x, y, z)."""
+    if y < 0:
+        return (.10, .09, .08)
+    up = 1 - (1 - y) ** 3
+    sky = [a + (b - a) * up for a, b in zip((.9, .85, .8), (.25, .45, .9))]
+    patch = 6 * math.exp(-12 * (1 - (.45 * x + .4 * y + .8 * z) / math.sqrt(.45 ** 2 + .4 ** 2 + .8 ** 2)))
+    return [c + patch * tint for c, tint in zip(sky, (1, .9, .75))]
+
+
+def rgbe(width, height, radiance):
+    """An equirectangular panorama as a Radiance file without compression; the middle column lies at -z."""
+    out = bytearray(f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode())
+    for row in range(height):
+        polar = math.pi * (row + .5) / height
+        for column in range(width):
+            around = 2 * math.pi * ((column + .5) / width - .5)
+            color = radiance(math.sin(polar) * math.sin(around), math.cos(polar), -math.sin(polar) * math.cos(around))
+            exponent = math.frexp(max(color))[1]
+            out += bytes([*(int(c * 256 / 2 ** exponent) for c in color), exponent + 128])
+    return bytes(out)
+
+
 def main():
-    makers = {f.__name__: f for f in (cornell, basic, furnace, leak, atrium, hills)}
+    makers = {f.__name__: f for f in (cornell, basic, furnace, leak, atrium, hills, spheres)}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenes", nargs="*", help=f"some of {', '.join(makers)}; default all")
     parser.add_argument("--out", type=Path, default=SCENES, help="folder to write to")
@@ -257,8 +321,8 @@ def main():
         if options.check:
             with tempfile.TemporaryDirectory() as folder:
                 writer.write(Path(folder) / f"{name}.gltf")
-                stale += [f"{name}{ext}" for ext in (".gltf", ".bin") if
-                          (Path(folder) / f"{name}{ext}").read_bytes() != (options.out / f"{name}{ext}").read_bytes()]
+                stale += [file.name for file in sorted(Path(folder).iterdir()) if
+                          file.read_bytes() != (options.out / file.name).read_bytes()]
         else:
             writer.write(options.out / f"{name}.gltf")
             print(f"{name}: {writer.triangles()} triangles")

@@ -48,6 +48,8 @@ class Writer:
             "scene": 0, "scenes": [{"nodes": []}], "nodes": [], "meshes": [], "materials": [],
             "accessors": [], "bufferViews": []}
         self.extensions = set()
+        self.stored = {}  # id of a Mesh: it, and its accessors, written once
+        self.files = {}  # name: bytes of what is written beside the scene
 
     def material(self, name, color, roughness=1.0, metallic=0.0, emission=None, lambert=False, double_sided=False):
         """`color` is linear reflectance; `lambert` switches the specular lobe off (KHR_materials_specular, factor 0)."""
@@ -83,20 +85,24 @@ class Writer:
         self.json["accessors"].append(accessor)
         return len(self.json["accessors"]) - 1
 
+    def _accessors(self, mesh):
+        if id(mesh) in self.stored:
+            return self.stored[id(mesh)][1]
+        short = len(mesh.positions) < 65536
+        data = struct.pack(f"<{len(mesh.indices)}{'H' if short else 'I'}", *mesh.indices)
+        indices = {"bufferView": self._view(data, 34963), "componentType": UINT16 if short else UINT32,
+                   "count": len(mesh.indices), "type": "SCALAR"}
+        self.json["accessors"].append(indices)
+        index = len(self.json["accessors"]) - 1
+        accessors = {"attributes": {"POSITION": self._vectors(mesh.positions, "VEC3", bounds=True),
+                                    "NORMAL": self._vectors(mesh.normals, "VEC3"),
+                                    "TEXCOORD_0": self._vectors(mesh.uvs, "VEC2")}, "indices": index}
+        self.stored[id(mesh)] = (mesh, accessors)
+        return accessors
+
     def mesh(self, name, parts):
         """`parts` is a list of (Mesh, material index), one primitive each."""
-        primitives = []
-        for mesh, material in parts:
-            short = len(mesh.positions) < 65536
-            data = struct.pack(f"<{len(mesh.indices)}{'H' if short else 'I'}", *mesh.indices)
-            indices = {"bufferView": self._view(data, 34963), "componentType": UINT16 if short else UINT32,
-                       "count": len(mesh.indices), "type": "SCALAR"}
-            self.json["accessors"].append(indices)
-            index = len(self.json["accessors"]) - 1
-            primitives.append({"attributes": {"POSITION": self._vectors(mesh.positions, "VEC3", bounds=True),
-                                              "NORMAL": self._vectors(mesh.normals, "VEC3"),
-                                              "TEXCOORD_0": self._vectors(mesh.uvs, "VEC2")},
-                               "indices": index, "material": material})
+        primitives = [{**self._accessors(mesh), "material": material} for mesh, material in parts]
         self.json["meshes"].append({"name": name, "primitives": primitives})
         return len(self.json["meshes"]) - 1
 
@@ -124,3 +130,5 @@ class Writer:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.with_suffix(".bin").write_bytes(bytes(self.blob))
         path.write_text(json.dumps(self.json, indent=1) + "\n")
+        for name, content in self.files.items():
+            path.with_name(name).write_bytes(content)

@@ -4,15 +4,22 @@ uniform vec4 u_cones[CONES];  // direction, weight
 #endif
 uniform float u_coneTanHalfAngle;
 
+#if SPIRAL
+/// Place of cone `i` of a spiral: u in (0,1), azimuth.
+vec2 spiralPlace(int i, float turn, float shift) {
+    return vec2((float(i) + 0.5 + shift) / float(CONES), 2.39996322972865332 * float(i) + 6.28318530717958648 * turn);
+}
+#endif
+
 /// Direction and weight of cone `i`, turned by `turn` (0 to 1 of a revolution); a spiral is also shifted by `shift`
 /// (-1/2 to 1/2 of a stratum) in cos²θ, so that pixels that turn and shift differently integrate together.
 vec4 coneOfSet(int i, float turn, float shift) {
-    const float kTwoPi = 6.28318530717958648;
 #if SPIRAL
-    float u = (float(i) + 0.5 + shift) / float(CONES);
-    float azimuth = 2.39996322972865332 * float(i) + kTwoPi * turn;
+    vec2 place = spiralPlace(i, turn, shift);
+    float u = place.x, azimuth = place.y;
     return vec4(sqrt(u) * cos(azimuth), sqrt(u) * sin(azimuth), sqrt(1.0 - u), 1.0 / float(CONES));
 #else
+    const float kTwoPi = 6.28318530717958648;
     float c = cos(kTwoPi * turn), s = sin(kTwoPi * turn);
     vec4 cone = u_cones[i];
     return vec4(c * cone.x - s * cone.y, s * cone.x + c * cone.y, cone.zw);

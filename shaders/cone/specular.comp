@@ -1,48 +1,75 @@
-// One specular cone a pixel along the mirror direction, weighted by the lobe's directional albedo (split sum).
+// Specular cones of every pixel: sum over the lobe of radiance times weight, and of weights in a. Smooth lobes take one cone,
+// rough ones CONES; cone/specular_filter.comp makes the surface's light of them. Without APERTURE_GGX the thesis' one cone.
 #include "frame/gbuffer.glsl"
 #include "cone/sky.glsl"
 #include "cone/trace.glsl"
+#include "cone/cone_set.glsl"
+#include "cone/specular_lobe.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform float u_inverseVoxelSize;
-uniform sampler2D u_specularAlbedo;  // (A, B) over (n·v, roughness): f0 A + f90 B
-layout(rgba32f) uniform writeonly image2D u_specular;
+uniform float u_smoothAlpha;  // lobes up to this width take one cone
+layout(rgba32f) uniform writeonly image2D u_gathered;
+
+vec3 gatherCone(Cone cone, vec3 direction, float halfAngle, float skyHalfAngle) {
+    // Bumps may mirror the eye into the surface.
+    float below = dot(direction, cone.normal);
+    cone.direction = below < 0.05 ? normalize(direction + cone.normal * (0.05 - below)) : direction;
+    cone.tanHalfAngle = tan(halfAngle);
+    ConeResult result = traceCone(cone);
+    return result.radiance + result.transmittance * skyRadiance(cone.direction, tan(skyHalfAngle));
+}
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(pixel, imageSize(u_specular)))) return;
+    if (any(greaterThanEqual(pixel, imageSize(u_gathered)))) return;
     GBufferSample s = loadGBuffer(pixel);
-    vec3 radiance = vec3(0.0);
-    if (s.hit) {
-        float nDotV = max(dot(s.normal, s.toEye), 1e-3);
-        float roughness = sqrt(s.surface.alpha);
-        vec2 parts = textureLod(u_specularAlbedo, vec2(nDotV, roughness), 0.0).rg;
-        vec3 albedo = s.surface.f0 * parts.x + s.surface.f90 * parts.y;
-        if (max(albedo.r, max(albedo.g, albedo.b)) > 0.0) {
-            Cone cone;
-            cone.origin = s.position * u_inverseVoxelSize;
-            cone.normal = s.geometricNormal;
-            cone.level = 0.0;
-            vec3 mirror = reflect(-s.toEye, s.normal);
-#if APERTURE_GGX
-            // Half the energy of the lobe of reflected directions lies within 2 atan(alpha) of the mirror direction; wide
-            // lobes lean to the normal, because what would go below the surface is lost (Lagarde and de Rousiers 2014).
-            float halfAngle = min(2.0 * atan(s.surface.alpha), 1.0);
-            float lean = (1.0 - s.surface.alpha) * (sqrt(1.0 - s.surface.alpha) + s.surface.alpha);
-            cone.direction = normalize(mix(s.normal, mirror, lean));
+    vec4 sum = vec4(0.0);
+    if (s.hit && (maxComponent(s.surface.f0) > 0.0 || s.surface.f90 > 0.0)) {
+        Cone cone;
+        cone.origin = s.position * u_inverseVoxelSize;
+        cone.normal = s.geometricNormal;
+        cone.level = 0.0;
+        float alpha = s.surface.alpha;
+        vec3 mirror = reflect(-s.toEye, s.normal);
+#if !APERTURE_GGX
+        // The thesis, section 3.4.4: 1 to 80 degrees, linear in roughness.
+        float halfAngle = radians(0.5 * mix(1.0, 80.0, sqrt(alpha)));
+        cone.near = nearOfOne(tan(halfAngle));
+        sum = vec4(gatherCone(cone, mirror, halfAngle, halfAngle), 1.0);
 #else
-            // The thesis, section 3.4.4: 1 to 80 degrees, linear in roughness.
-            float halfAngle = radians(0.5 * mix(1.0, 80.0, roughness));
-            cone.direction = mirror;
+        if (CONES == 1 || alpha <= u_smoothAlpha) {
+            // Half the energy of the reflected directions lies within 2 atan(alpha) of the mirror direction; wide lobes lean
+            // to the normal, because what would go below the surface is lost (Lagarde and de Rousiers 2014).
+            float lean = (1.0 - alpha) * (sqrt(1.0 - alpha) + alpha);
+            float halfAngle = min(2.0 * atan(alpha), 1.0);
+            cone.near = nearOfOne(tan(halfAngle));
+            sum = vec4(gatherCone(cone, normalize(mix(s.normal, mirror, lean)), halfAngle, halfAngle), 1.0);
+        } else {
+            mat3 frame = frameAround(s.normal);
+            vec3 v = s.toEye * frame;
+            v.z = max(v.z, 1e-3);
+#if ROTATE
+            // As in cone/diffuse.comp.
+            const int kBayer[16] = int[](0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5);
+            int k = kBayer[(pixel.y & 3) * 4 + (pixel.x & 3)];
+            float turn = turnOf(k, 16), shift = shiftOf(k, 16);
+#else
+            float turn = 0.0, shift = 0.0;
 #endif
-            // Bumps may mirror the eye into the surface.
-            float below = dot(cone.direction, cone.normal);
-            if (below < 0.05) cone.direction = normalize(cone.direction + cone.normal * (0.05 - below));
-            cone.tanHalfAngle = tan(halfAngle);
-            cone.near = nearOfOne(cone.tanHalfAngle);
-            ConeResult result = traceCone(cone);
-            radiance = albedo * (result.radiance + result.transmittance * skyRadiance(cone.direction, cone.tanHalfAngle));
+            cone.near = u_nearDistance;
+            for (int i = 0; i < CONES; ++i) {
+                vec2 place = spiralPlace(i, turn, shift);
+                LobeSample lobe = sampleLobe(s.surface, v, place.x, place.y);
+                if (lobe.weight <= 0.0) continue;
+                // Neighbours' cones fill the gaps, so each takes half of its share of the lobe. The sky needs no steps and
+                // is smooth enough to show the lobe's shape: an eighth.
+                float share = lobe.solidAngle / float(CONES);
+                vec3 radiance = gatherCone(cone, frame * lobe.direction, coneHalfAngle(0.5 * share), coneHalfAngle(0.125 * share));
+                sum += lobe.weight * vec4(radiance, 1.0);
+            }
         }
+#endif
     }
-    imageStore(u_specular, pixel, vec4(radiance, 1.0));
+    imageStore(u_gathered, pixel, sum);
 }

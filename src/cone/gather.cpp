@@ -68,22 +68,45 @@ SpecularPass::SpecularPass(const gl::ShaderLibrary& shaders, const Settings& set
                            const Sky& sky, const gl::Defines& gbufferDefines, const gl::Texture& specularAlbedo,
                            int width, int height)
     : settings_(settings), specularAlbedo_(specularAlbedo) {
+    const bool ggx = settings.specular.aperture == SpecularAperture::ggx;
     gl::Defines defines = merged(coneDefines(settings, voxels, sky), gbufferDefines);
-    defines["APERTURE_GGX"] = settings.specular.aperture == SpecularAperture::ggx ? "1" : "0";
+    defines["APERTURE_GGX"] = ggx ? "1" : "0";
+    defines["CONES"] = std::to_string(ggx ? settings.specular.cones : 1);
+    defines["SPIRAL"] = "1";
+    defines["ROTATE"] = settings.cone.rotate ? "1" : "0";
     defines["AO_DISTANCE"] = "0";
-    program_ = shaders.compute("cone/specular.comp", defines);
+    gather_ = shaders.compute("cone/specular.comp", defines);
+    gl::Defines filterDefines = gbufferDefines;
+    for (const char* name : {"CONES", "ROTATE", "CASCADES"}) filterDefines[name] = defines[name];
+    filter_ = shaders.compute("cone/specular_filter.comp", filterDefines);
+    gathered_ = gl::Texture::create2D(GL_RGBA32F, width, height);
     specular_ = gl::Texture::create2D(GL_RGBA32F, width, height);
 }
 
 void SpecularPass::run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
                        gl::PassTimers& timers) {
-    const auto pass = timers.pass("cones: specular");
-    setConeUniforms(program_, settings_, sky, volume, settings_.specular.step, kConeUnit);
-    program_.set("u_inverseVoxelSize", inverseVoxelSize(volume));
-    specularAlbedo_.bindTo(kOwnUnit);
-    program_.set("u_specularAlbedo", kOwnUnit);
-    bindGBuffer(program_, kGBufferUnit);
-    dispatchPixels(program_, specular_, "u_specular", GL_RGBA32F);
+    // Roughness 0.14: voxels do not resolve smoother lobes (docs/accuracy.md).
+    constexpr float kSmoothAlpha = 0.02f;
+    {
+        const auto pass = timers.pass("cones: specular");
+        setConeUniforms(gather_, settings_, sky, volume, settings_.specular.step, kConeUnit);
+        // Few of the cones of a lobe run along the surface, as those at the rim of a diffuse set do.
+        gather_.set("u_footprintCap", 0.5 * settings_.cone.footprintCap);
+        gather_.set("u_inverseVoxelSize", inverseVoxelSize(volume));
+        gather_.set("u_smoothAlpha", kSmoothAlpha);
+        bindGBuffer(gather_, kGBufferUnit);
+        dispatchPixels(gather_, gathered_, "u_gathered", GL_RGBA32F);
+    }
+    const auto pass = timers.pass("cones: specular filter");
+    gathered_.bindTo(kOwnUnit);
+    filter_.set("u_gathered", kOwnUnit);
+    specularAlbedo_.bindTo(kConeUnit);
+    filter_.set("u_specularAlbedo", kConeUnit);
+    filter_.set("u_smoothAlpha", kSmoothAlpha);
+    setContainmentUniforms(filter_, *volume.voxels);
+    filter_.set("u_voxelSize", static_cast<float>(volume.voxels->layout.voxelSize));
+    bindGBuffer(filter_, kGBufferUnit);
+    dispatchPixels(filter_, specular_, "u_specular", GL_RGBA32F);
 }
 
 SoftShadowPass::SoftShadowPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels,

@@ -40,17 +40,18 @@ class SpecularPass {
     SpecularPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels, const Sky& sky,
                  const gl::Defines& gbufferDefines, const gl::Texture& specularAlbedo, int width, int height);
 
-    /// Pass "cones: specular".
+    /// Passes "cones: specular" and "cones: specular filter".
     void run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer, gl::PassTimers& timers);
 
     /// RGBA32F: indirect specular radiance towards the eye, W/(m² sr).
     const gl::Texture& texture() const { return specular_; }
+    std::uint64_t bytes() const { return gathered_.bytes() + specular_.bytes(); }
 
   private:
     Settings settings_;
     const gl::Texture& specularAlbedo_;
-    gl::Program program_;
-    gl::Texture specular_;
+    gl::Program gather_, filter_;
+    gl::Texture gathered_, specular_;
 };
 
 /// Visibility of one sphere or point of light through cones: the channel `soft_shadow`.

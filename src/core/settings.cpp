@@ -33,10 +33,12 @@ constexpr Preset kPresets[] = {
                             "rotate": false},
                    "specular": {"aperture": "linear"}})"},
     {"fast",
-     R"({"light": {"bounces": 2, "bounce_cones": 5}, "cone": {"diffuse": 6, "step": 1.5, "footprint_cap": 6}})"},
+     R"({"light": {"bounces": 2, "bounce_cones": 5}, "cone": {"diffuse": 6, "step": 1.5, "footprint_cap": 6},
+         "specular": {"cones": 2}})"},
     {"balanced", "{}"},
     {"accurate", R"({"light": {"bounces": 6, "bounce_cones": 16},
-                     "cone": {"diffuse": 32, "footprint_cap": 16, "near_field": 32}, "specular": {"step": 0.5}})"},
+                     "cone": {"diffuse": 32, "footprint_cap": 16, "near_field": 32},
+                     "specular": {"cones": 8, "step": 0.5}})"},
 };
 
 template <class E>
@@ -201,6 +203,8 @@ std::vector<Field> fields(Settings& s) {
         flag("specular.enabled", s.specular.enabled, "trace a specular cone"),
         choice("specular.aperture", s.specular.aperture, {"ggx", "linear"},
                "cone angle: matched to the GGX lobe, or 1 to 80 degrees linear in roughness"),
+        oneOf("specular.cones", s.specular.cones, {1, 2, 4, 8, 16}, "",
+              "cones of a rough GGX lobe; smooth ones take one"),
         number("specular.step", s.specular.step, 0.1, 4, "footprints", "distance between samples of the specular cone"),
         number("ao.distance", s.ao.distance, 0, 1e9, "m", "occluders farther away do not count; 0 = all count"),
         choice("ao.falloff", s.ao.falloff, {"none", "linear", "square_root"},

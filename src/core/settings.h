@@ -71,6 +71,7 @@ struct Settings {
     struct Specular {
         bool enabled = true;
         SpecularAperture aperture = SpecularAperture::ggx;
+        int cones = 4;
         double step = 1;
     } specular;
     struct Ao {

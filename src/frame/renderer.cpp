@@ -214,7 +214,7 @@ struct Renderer::Impl {
             memory("voxel records", voxels.recordBytes());
             memory("voxel radiance", field->bytes());
             memory("diffuse cones", diffuse->bytes());
-            if (specular) memory("specular cones", specular->texture().bytes());
+            if (specular) memory("specular cones", specular->bytes());
             if (softShadow) memory("soft shadow", softShadow->texture().bytes());
         }
         memory("beauty", composite.beauty().bytes());

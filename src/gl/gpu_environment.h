@@ -1,4 +1,4 @@
-// The environment's panorama on the device.
+// The environment's panorama on the device, prefiltered for cones.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,8 +12,10 @@ namespace voxcone::gl {
 /// (shaders/shared/environment.glsl), or `color` alone without a panorama.
 struct GpuEnvironment {
     GpuEnvironment() = default;
-    /// Uploads the panorama, if there is one and `color` is not black: RGB32F, so that suns keep their strength, with
-    /// mips for cones, trilinear, repeating in longitude. Throws DeviceError when it is too large for the device.
+    /// Uploads the panorama, if there is one and `color` is not black: RGB32F, so that suns keep their strength,
+    /// repeating in longitude. A texel of mip l > 0 is the mean radiance over the cone of half-angle min(2π/h, π), h
+    /// the mip's height; its rows lie at polar angles from 0 to π inclusive, its columns' centres as in the panorama.
+    /// Read by shaders/cone/sky.glsl. Throws DeviceError when the panorama is too large for the device.
     explicit GpuEnvironment(const Environment& environment);
 
     glm::vec3 color{0};

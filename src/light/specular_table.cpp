@@ -64,10 +64,10 @@ std::vector<glm::vec2> specularAlbedoTable(int size) {
     constexpr int kSamples = 1024;
     std::vector<glm::vec2> table;
     for (int y = 0; y < size; ++y) {
-        const double roughness = (y + 0.5) / size;
+        const double roughness = static_cast<double>(y) / (size - 1);
         for (int x = 0; x < size; ++x) {
-            table.push_back(
-                specularAlbedo((x + 0.5) / size, std::max<double>(roughness * roughness, kMinAlpha), kSamples));
+            table.push_back(specularAlbedo(std::max(static_cast<double>(x) / (size - 1), 1e-3),
+                                           std::max<double>(roughness * roughness, kMinAlpha), kSamples));
         }
     }
     return table;

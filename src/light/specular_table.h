@@ -17,10 +17,11 @@ constexpr int kSpecularTableSize = 32;
 /// visible normals.
 glm::dvec2 specularAlbedo(double cosTheta, double alpha, int samples);
 
-/// `size`² texels of specularAlbedo, cosTheta along x, roughness = √alpha along y, both at texel centres (i + ½)/size.
+/// `size`² texels of specularAlbedo, cosTheta along x, roughness = √alpha along y, both at i/(size − 1), so that the
+/// ends of their ranges are met. The first column is that of a small cosTheta > 0.
 std::vector<glm::vec2> specularAlbedoTable(int size);
 
-/// The table as an RG32F texture with linear filter: texture(table, vec2(n·v, roughness)).rg.
+/// The table as an RG32F texture with linear filter: texture(table, (vec2(n·v, roughness)·(size − 1) + ½) / size).rg.
 gl::Texture specularAlbedoTexture();
 
 }  // namespace voxcone

@@ -14,7 +14,9 @@ struct GpuEnvironment {
     GpuEnvironment() = default;
     /// Uploads the panorama, if there is one and `color` is not black: RGB32F, so that suns keep their strength, with
     /// mips for cones, trilinear, repeating in longitude. Throws DeviceError when it is too large for the device.
-    explicit GpuEnvironment(const Environment& environment);
+    explicit GpuEnvironment(const Environment& environment) : GpuEnvironment(environment, {}) {}
+    /// The same with other texels, of the same size, in the place of the panorama's, unless they are empty.
+    GpuEnvironment(const Environment& environment, const std::vector<glm::vec3>& texels);
 
     glm::vec3 color{0};
     float rotation = 0;  ///< radians

@@ -25,6 +25,7 @@ struct Batch {
     AlphaMode alphaMode = AlphaMode::opaque;
     bool doubleSided = false;
     bool emits = false;                            ///< the material emits (emission or unlit)
+    bool emitsToCones = false;                     ///< and analytic lights do not do so in its place
     std::uint32_t firstIndex = 0, indexCount = 0;  ///< in the index buffer
     std::int32_t baseVertex = 0;
     std::uint32_t firstObject = 0, objectCount = 0;  ///< instances: consecutive objects
@@ -62,6 +63,7 @@ class GpuScene {
     bool empty() const { return batches_.empty(); }
     std::uint64_t triangleCount() const;  ///< over all instances
     bool anyEmission() const;
+    bool anyEmissionToCones() const;  ///< a batch with emitsToCones
     bool anyAlphaTest() const;  ///< a batch with AlphaMode mask or blend
     bool anyMoving() const;     ///< a batch that moves
 

@@ -60,6 +60,15 @@ float sphereFormFactorOverRadius2(vec3 toCenter, vec3 n, float radius) {
     return max(F, 0.0) / (kPi * r2);
 }
 
+// Irradiance by a disc of the sky that the horizon cuts, over that on a facing plane. `cosine`: of its middle, `radius`: the
+// sine of its angular radius.
+float discOnHorizon(float cosine, float radius) {
+    if (radius > 0.1) return sphereFormFactorOverRadius2(vec3(sqrt(1.0 - cosine * cosine), cosine, 0.0), vec3(0.0, 1.0, 0.0), radius);
+    // As a flat disc, to radius²/3 of it: the above would lose its digits.
+    float t = cosine / radius, s = sqrt(1.0 - t * t);
+    return radius * (t * (0.5 + (t * s + asin(t)) / kPi) + 2.0 / (3.0 * kPi) * s * s * s);
+}
+
 // One edge of Lambert's polygon formula: angle between a and b times the cosine of the normal of their plane.
 float edgeIntegral(vec3 a, vec3 b, vec3 n) {
     vec3 product = cross(normalize(a), normalize(b));
@@ -101,9 +110,8 @@ float rectangleFormFactor(vec3 center, vec3 direction, vec3 halfRight, vec3 half
 // Irradiance at `pos` on a plane of unit normal n, nothing in between.
 vec3 unshadowedIrradiance(Light light, vec3 pos, vec3 n) {
     if (light.type == LIGHT_DIRECTIONAL) {
-        // A disc in the sky is a sphere a metre away: only where the horizon cuts it does it differ from a point.
         float cosine = -dot(light.direction, n);
-        if (abs(cosine) < light.radius) cosine = sphereFormFactorOverRadius2(-light.direction, n, light.radius);
+        if (abs(cosine) < light.radius) cosine = discOnHorizon(cosine, light.radius);
         return light.intensity * max(cosine, 0.0);
     }
     vec3 toLight = light.position - pos;
@@ -216,8 +224,8 @@ float sampleVisibility(Light light, ShadowView view, vec3 pos, vec3 normal, floa
         // Percentage-closer soft shadows (Fernando 2005) for the stratum: where blockers are, on average, makes the width
         // of the penumbra (docs/accuracy.md, row K2). Blockers nearer to the light than a fifth of the way are searched too
         // narrowly.
-        // Parallel views see the whole way.
-        float widest = perspective ? 4.0 * stratum / p.z : stratum * (p.z + view.depth.x / view.depth.y);
+        // Parallel views know the whole way; the search looks half as far to either side.
+        float widest = perspective ? 4.0 * stratum / p.z : 2.0 * stratum * (p.z + view.depth.x / view.depth.y);
         float reach = max(min(widest / view.texel, view.maxKernel), kernel);
         float sum = 0.0, count = 0.0;
         for (int i = 0; i < 4; ++i) {
@@ -307,6 +315,8 @@ vec3 directIrradiance(vec3 pos, vec3 normal, float slack) {
     vec3 sum = vec3(0.0);
     for (int i = 0; i < u_lightCount; ++i) {
         Light light = b_lights[i];
+        // The back of a panel that the light lies on may seem to be before its plane by as much.
+        if (light.type == LIGHT_RECTANGLE && dot(light.position - pos - slack * normal, light.direction) >= 0.0) continue;
         vec3 irradiance = unshadowedIrradiance(light, pos, normal);
         if (all(equal(irradiance, vec3(0.0)))) continue;
         float shares = 0.0, seen = 0.0;

@@ -15,7 +15,7 @@ using glm::dvec3;
 /// Sources have a texel this many times as bright as the mean over the sphere.
 constexpr double kBright = 8;
 /// A source reaches down to this share of its brightest texel.
-constexpr double kEdge = 1.0 / 32;
+constexpr double kEdge = 1.0 / 16;
 /// Share of all light below which a source is not worth a shadow map.
 constexpr double kLeastShare = 0.005;
 /// Cones of the sets of 16 have a half-angle of 14°: wider sources than this are theirs.
@@ -23,8 +23,9 @@ constexpr double kWidest = 10 * glm::pi<double>() / 180;
 /// Sources found at most before the strongest are chosen.
 constexpr std::size_t kMostFound = 32;
 
-double luminance(const dvec3& rgb) {
-    return glm::dot(rgb, dvec3(0.2126, 0.7152, 0.0722));
+/// All channels count alike: a source has one direction for them, which must suit the weakest to the eye too.
+double brightness(const dvec3& rgb) {
+    return (rgb.x + rgb.y + rgb.z) / 3;
 }
 
 struct Source {
@@ -33,7 +34,7 @@ struct Source {
     dvec3 direction{0};         ///< unit, towards it, before the rotation
     dvec3 irradiance{0};        ///< on a facing plane
     double radius = 0;          ///< of the disc, radians
-    double fluence = 0;         ///< luminance over the sphere
+    double fluence = 0;         ///< brightness over the sphere
 };
 
 class Panorama {
@@ -42,11 +43,11 @@ class Panorama {
         : environment_(environment),
           width_(static_cast<std::size_t>(environment.width)),
           height_(static_cast<std::size_t>(environment.height)) {
-        luminance_.reserve(environment.radiance.size());
+        brightness_.reserve(environment.radiance.size());
         for (std::size_t y = 0; y < height_; ++y) {
             for (std::size_t x = 0; x < width_; ++x) {
-                luminance_.push_back(luminance(radiance(y * width_ + x)));
-                total_ += luminance_.back() * solidAngle(y);
+                brightness_.push_back(brightness(radiance(y * width_ + x)));
+                total_ += brightness_.back() * solidAngle(y);
             }
         }
     }
@@ -54,15 +55,15 @@ class Panorama {
     /// The sources one after another, each where most is left by those before it.
     std::vector<Source> sources() {
         std::vector<Source> found;
-        std::vector<std::uint8_t> rejected(luminance_.size(), 0), marked(luminance_.size(), 0);
+        std::vector<std::uint8_t> rejected(brightness_.size(), 0), marked(brightness_.size(), 0);
         const double least = kBright * total_ / (4 * glm::pi<double>());
         while (found.size() < kMostFound) {
             std::vector<std::size_t> seeds;
-            for (std::size_t i = 0; i < luminance_.size(); ++i) {
-                if (!rejected[i] && luminance_[i] > least) seeds.push_back(i);
+            for (std::size_t i = 0; i < brightness_.size(); ++i) {
+                if (!rejected[i] && brightness_[i] > least) seeds.push_back(i);
             }
             std::sort(seeds.begin(), seeds.end(), [&](std::size_t a, std::size_t b) {
-                return luminance_[a] != luminance_[b] ? luminance_[a] > luminance_[b] : a < b;
+                return brightness_[a] != brightness_[b] ? brightness_[a] > brightness_[b] : a < b;
             });
             const std::size_t before = found.size();
             for (const std::size_t seed : seeds) {
@@ -70,7 +71,7 @@ class Panorama {
                 Source source = around(seed, rejected, marked);
                 if (source.fluence >= kLeastShare * total_ && source.radius <= kWidest) {
                     for (std::size_t k = 0; k < source.texels.size(); ++k)
-                        luminance_[source.texels[k]] *= 1 - source.parts[k];
+                        brightness_[source.texels[k]] *= 1 - source.parts[k];
                     found.push_back(std::move(source));
                     break;
                 }
@@ -101,25 +102,25 @@ class Panorama {
         visit(row + (x + 1) % width_);
         visit(row + (x + width_ - 1) % width_);
         if (row >= width_) visit(i - width_);
-        if (i + width_ < luminance_.size()) visit(i + width_);
+        if (i + width_ < brightness_.size()) visit(i + width_);
     }
 
     /// What is connected with the texel `seed` and as bright as kEdge of it, over the mean level of the texels around.
     /// `marked` is all zero before and after.
     Source around(std::size_t seed, const std::vector<std::uint8_t>& rejected, std::vector<std::uint8_t>& marked) const {
         Source source;
-        const double edge = kEdge * luminance_[seed];
+        const double edge = kEdge * brightness_[seed];
         double level = 0, levelTexels = 0;
         source.texels.push_back(seed);
         marked[seed] = 1;
         for (std::size_t k = 0; k < source.texels.size(); ++k) {
             forNeighbours(source.texels[k], [&](std::size_t i) {
                 if (marked[i]) return;
-                if (luminance_[i] > edge && !rejected[i]) {
+                if (brightness_[i] > edge && !rejected[i]) {
                     marked[i] = 1;
                     source.texels.push_back(i);
                 } else {
-                    level += std::min(luminance_[i], edge);
+                    level += std::min(brightness_[i], edge);
                     levelTexels += 1;
                 }
             });
@@ -130,11 +131,11 @@ class Panorama {
         dvec3 flux[3] = {dvec3(0), dvec3(0), dvec3(0)}, whole(0);
         double blur = 0;
         for (const std::size_t i : source.texels) {
-            const double part = 1 - level / luminance_[i];
-            const double weight = part * luminance_[i] * solidAngle(i / width_);
+            const double part = 1 - level / brightness_[i];
+            const double weight = part * brightness_[i] * solidAngle(i / width_);
             const dvec3 d = direction(i);
             // Of what earlier sources have left of the texel.
-            const dvec3 left = radiance(i) * (luminance_[i] / std::max(luminance(radiance(i)), 1e-300));
+            const dvec3 left = radiance(i) * (brightness_[i] / std::max(brightness(radiance(i)), 1e-300));
             for (int c = 0; c < 3; ++c) flux[c] += part * left[c] * solidAngle(i / width_) * d;
             whole += weight * d;
             source.fluence += weight;
@@ -156,7 +157,7 @@ class Panorama {
 
     const Environment& environment_;
     std::size_t width_, height_;
-    std::vector<double> luminance_;  ///< of what is left
+    std::vector<double> brightness_;  ///< of what is left
     double total_ = 0;               ///< over the sphere
 };
 

@@ -9,6 +9,7 @@
 #include <functional>
 #include <random>
 
+#include "scene/extract.h"
 #include "support/shapes.h"
 #include "support/voxel_lab.h"
 
@@ -231,6 +232,21 @@ TEST_F(VoxelTruth, ConvexEdgeStaysOpen) {
                    errors.mean(), errors.worst);
         EXPECT_LE(std::abs(errors.mean()), 0.03) << orientation.name;
     }
+}
+
+// What an analytic light stands for is not found by cones a second time.
+TEST_F(VoxelTruth, ExtractedEmittersAreNotInTheCones) {
+    Scene scene = SceneBuilder()
+                      .add(quad(8, 8), lambert(0.5f))
+                      .add(quad(1, 1), lambert(0.5f, 20), translation({0.3, 2, 0}) * rotation(180, {1, 0, 0}))
+                      .build();
+    const ConeProbe below{{0.3, 0, 0}, {0, 1, 0}};
+    EXPECT_GT(VoxelLab(glContext(), scene, balanced(32)).gather({below})[0].radiance.x, 1);
+    extractLights(scene, Settings::Light{});
+    ASSERT_EQ(scene.lights.size(), 1u);
+    VoxelLab lab(glContext(), scene, balanced(32));
+    EXPECT_FALSE(lab.voxels().emits);
+    EXPECT_EQ(lab.gather({below})[0].radiance, glm::vec3(0));
 }
 
 }  // namespace

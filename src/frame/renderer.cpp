@@ -185,8 +185,8 @@ struct Renderer::Impl {
             light.type == LightType::rectangle ? std::sqrt(light.width * light.height / M_PI) : light.radius;
         const glm::vec3 position =
             directional ? glm::vec3(-light.direction) : glm::vec3(light.position - gpuScene.origin());
-        softShadow->run(volume, position, static_cast<float>(directional ? std::sin(light.angularRadius) : radius), directional, bindGBuffer,
-                        timers);
+        softShadow->run(volume, position, static_cast<float>(directional ? std::sin(light.angularRadius) : radius),
+                        directional, bindGBuffer, timers);
     }
 
     void collectStats() {

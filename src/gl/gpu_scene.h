@@ -64,8 +64,8 @@ class GpuScene {
     std::uint64_t triangleCount() const;  ///< over all instances
     bool anyEmission() const;
     bool anyEmissionToCones() const;  ///< a batch with emitsToCones
-    bool anyAlphaTest() const;  ///< a batch with AlphaMode mask or blend
-    bool anyMoving() const;     ///< a batch that moves
+    bool anyAlphaTest() const;        ///< a batch with AlphaMode mask or blend
+    bool anyMoving() const;           ///< a batch that moves
 
     /// World boxes that moving objects have left and entered since the last call, or since the upload: two for each
     /// object whose matrix or vertices changed in any setTime() between, none for the others. The boxes hold the

@@ -31,8 +31,8 @@ class AnalyticLights {
     bool empty() const { return choice_.empty(); }
     LightSample sample(const glm::vec3& origin, const glm::vec2& u, float uChoice) const;
 
-    /// Calls `visit(radiance, pdf)` for each sphere, rectangle and disc in the sky that the ray meets before `far`; `pdf` is that of
-    /// `sample`.
+    /// Calls `visit(radiance, pdf)` for each sphere, rectangle and disc in the sky that the ray meets before `far`;
+    /// `pdf` is that of `sample`.
     template <class Visitor>
     void forEachHit(const glm::vec3& origin, const glm::vec3& direction, float far, Visitor&& visit) const {
         for (const std::size_t k : areaLights_) {

@@ -12,10 +12,10 @@
 namespace voxcone {
 
 /// Turns at most `most` parts of the panorama, those with most irradiance, into directional lights with an angular
-/// radius. A part is what surrounds a texel far brighter than the mean, down to a sixteenth of it, over the level of the
-/// texels around; parts wider than cones, or with hardly any of the light, stay in the sky. No light is gained or lost:
-/// fluence is that of before in every channel, and so is irradiance on planes that see a part as a whole, but for parts
-/// whose channels come from different directions.
+/// radius. A part is what surrounds a texel far brighter than the mean, down to a sixteenth of it, over the level of
+/// the texels around; parts wider than cones, or with hardly any of the light, stay in the sky. No light is gained or
+/// lost: fluence is that of before in every channel, and so is irradiance on planes that see a part as a whole, but for
+/// parts whose channels come from different directions.
 void extractEnvironment(Scene& scene, int most);
 
 /// Turns emitting meshes that are made of at most six rectangles into rectangle lights, the brightest first, as long as

@@ -107,7 +107,8 @@ class Panorama {
 
     /// What is connected with the texel `seed` and as bright as kEdge of it, over the mean level of the texels around.
     /// `marked` is all zero before and after.
-    Source around(std::size_t seed, const std::vector<std::uint8_t>& rejected, std::vector<std::uint8_t>& marked) const {
+    Source around(std::size_t seed, const std::vector<std::uint8_t>& rejected,
+                  std::vector<std::uint8_t>& marked) const {
         Source source;
         const double edge = kEdge * brightness_[seed];
         double level = 0, levelTexels = 0;
@@ -158,7 +159,7 @@ class Panorama {
     const Environment& environment_;
     std::size_t width_, height_;
     std::vector<double> brightness_;  ///< of what is left
-    double total_ = 0;               ///< over the sphere
+    double total_ = 0;                ///< over the sphere
 };
 
 }  // namespace

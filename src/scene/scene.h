@@ -145,10 +145,11 @@ struct Light {
     double range = 0;                ///< KHR_lights_punctual range in metres, 0 = unlimited
     double innerConeAngle = 0, outerConeAngle = 0.7853981633974483;  ///< spot, half-angles in radians
     double radius = 0;                                               ///< sphere, metres
-    double angularRadius = 0;         ///< directional: radians, the disc that is seen in the sky; 0 = a point of it
-    double width = 0, height = 0;                                    ///< rectangle, metres
+    double angularRadius = 0;      ///< directional: radians, the disc that is seen in the sky; 0 = a point of it
+    double width = 0, height = 0;  ///< rectangle, metres
     LightTrack track;
-    /// Stands for part of the panorama or for an emitting mesh (scene/extract.h), which the path tracer samples instead.
+    /// Stands for part of the panorama or for an emitting mesh (scene/extract.h), which the path tracer samples
+    /// instead.
     bool extracted = false;
     bool operator==(const Light&) const = default;
 };
@@ -173,7 +174,7 @@ struct Environment {
     std::vector<glm::vec3> radiance;  ///< width·height texels or empty
     /// What of `radiance` analytic lights leave to cones (scene/extract.h); empty = all of it.
     std::vector<glm::vec3> residual;
-    double rotationDeg = 0;           ///< about +y, counter-clockwise seen from above
+    double rotationDeg = 0;  ///< about +y, counter-clockwise seen from above
     bool black() const { return color.x <= 0 && color.y <= 0 && color.z <= 0; }
 };
 

@@ -87,7 +87,8 @@ TEST_F(LightDirect, DiscInTheSkyIsCutByTheHorizon) {  // B6 at infinity, over si
         LightLab lab(floorWith(sun({0.6, -0.8, 0}, radius)));
         EXPECT_NEAR(lab.unshadowed({{{1, 0, 2}, kUp}})[0].x, 0.8, 1e-5);
         const double h = 1 / std::sin(radius), q = h * h - 1;
-        const double half = (-std::sqrt(q) / (h * h) + std::atan(std::sqrt(1 / q))) / kPi / std::pow(std::sin(radius), 2);
+        const double half =
+            (-std::sqrt(q) / (h * h) + std::atan(std::sqrt(1 / q))) / kPi / std::pow(std::sin(radius), 2);
         EXPECT_NEAR(lab.unshadowed({{{1, 0, 2}, {0.8f, 0.6f, 0}}})[0].x, half, 0.01 * half);
         EXPECT_EQ(lab.unshadowed({{{1, 0, 2}, {0.6f, -0.8f, 0}}})[0].x, 0);
     }
@@ -122,7 +123,8 @@ TEST_F(LightDirect, AnExtractedPanelIsC1) {
     // The panel itself lies in the plane of its light, and is no shadow.
     Scene scene = test::SceneBuilder()
                       .add(test::quad(20, 20), test::lambert(0.5f))
-                      .add(test::quad(2, 2), test::lambert(0.5f, 3), test::translation({0, 1, 0}) * test::rotation(180, {1, 0, 0}))
+                      .add(test::quad(2, 2), test::lambert(0.5f, 3),
+                           test::translation({0, 1, 0}) * test::rotation(180, {1, 0, 0}))
                       .build();
     extractLights(scene, Settings::Light{});
     ASSERT_EQ(scene.lights.size(), 1u);

@@ -158,11 +158,12 @@ TEST_F(RendererTest, ScaleByAPowerOfTwoChangesNothing) {
 
 /// A box on a floor under a panorama with a sun and a lamp, and what of both is extracted.
 Scene sunAndLamp(const Settings::Light& settings) {
-    Scene scene = SceneBuilder()
-                      .add(quad(4, 4), lambert(0.6f))
-                      .add(box({0.8, 0.8, 0.8}), lambert(glm::vec3(0.8f, 0.4f, 0.2f)), translation({-0.6, 0.4, 0}))
-                      .add(quad(0.6, 0.4), lambert(0.0f, 20.0f), translation({0.8, 1.2, -0.2}) * rotation(180, {1, 0, 0}))
-                      .build();
+    Scene scene =
+        SceneBuilder()
+            .add(quad(4, 4), lambert(0.6f))
+            .add(box({0.8, 0.8, 0.8}), lambert(glm::vec3(0.8f, 0.4f, 0.2f)), translation({-0.6, 0.4, 0}))
+            .add(quad(0.6, 0.4), lambert(0.0f, 20.0f), translation({0.8, 1.2, -0.2}) * rotation(180, {1, 0, 0}))
+            .build();
     Environment& sky = scene.environment;
     sky.color = glm::vec3(1);
     sky.width = 128, sky.height = 64;

@@ -280,11 +280,13 @@ TEST(ExactAnswers, ExtractedSourcesAreDirectAndNothingElseChanges) {
     scene.environment.color = glm::vec3(1);
     scene.environment.width = 64, scene.environment.height = 32;
     scene.environment.radiance.assign(64 * 32, glm::vec3(0.2f));
-    for (const int column : {40, 41}) scene.environment.radiance[8 * 64 + static_cast<std::size_t>(column)] = glm::vec3(80);
+    for (const int column : {40, 41})
+        scene.environment.radiance[8 * 64 + static_cast<std::size_t>(column)] = glm::vec3(80);
     Scene extracted = scene;
     extractLights(extracted, Settings::Light{});
     ASSERT_EQ(extracted.lights.size(), 2u);
-    const auto before = probeAt(scene, {0.1, 0.01, 0.2}, kUp, 1 << 15), after = probeAt(extracted, {0.1, 0.01, 0.2}, kUp, 1 << 15);
+    const auto before = probeAt(scene, {0.1, 0.01, 0.2}, kUp, 1 << 15),
+               after = probeAt(extracted, {0.1, 0.01, 0.2}, kUp, 1 << 15);
     EXPECT_EQ(before.directIrradiance.x, 0);
     EXPECT_NEAR(after.directIrradiance.x + after.indirectIrradiance.x, before.indirectIrradiance.x,
                 1e-4 * before.indirectIrradiance.x);

@@ -59,8 +59,7 @@ void addDisc(Environment& sky, const dvec3& center, double radius, const glm::ve
 /// Fluence over the sphere and irradiance on planes that see every source as a whole or not at all, before and after.
 void expectConserved(const Scene& before, const Scene& after) {
     const auto& sky = before.environment;
-    const std::vector<glm::vec3>& left =
-        after.environment.residual.empty() ? sky.radiance : after.environment.residual;
+    const std::vector<glm::vec3>& left = after.environment.residual.empty() ? sky.radiance : after.environment.residual;
     const auto one = [](const dvec3&) { return 1.0; };
     const dvec3 fluence = integral(sky, sky.radiance, one);
     dvec3 kept = integral(sky, left, one);
@@ -108,7 +107,8 @@ TEST(ExtractEnvironment, ASunBecomesADirectionalLightOfItsSize) {
         const glm::vec3 left = environmentResidual(after.environment, glm::vec3(sun));
         EXPECT_NEAR(left.x + left.y + left.z, 2 * 0.2 + 0.3 + 0.5, 1e-3);
         EXPECT_NEAR(environmentRadiance(after.environment, glm::vec3(sun)).y, 300.3, 0.1);
-        EXPECT_EQ(environmentResidual(after.environment, {0, -1, 0}), environmentRadiance(scene.environment, {0, -1, 0}));
+        EXPECT_EQ(environmentResidual(after.environment, {0, -1, 0}),
+                  environmentRadiance(scene.environment, {0, -1, 0}));
         expectConserved(scene, after);
     }
 }
@@ -236,7 +236,8 @@ TEST(ExtractEmitters, KeepsPowerOfBoxesSheetsAndMirrorImages) {
     ASSERT_EQ(both.lights.size(), 2u);
     EXPECT_NEAR(power(both), 2 * 3 * kPi, 1e-5);
 
-    Scene mirrored = roomWith(test::quad(1, 0.5), test::lambert(0.0f, 3), test::translation({0, 2, 0}) * test::scaling({-1, 2, 1}));
+    Scene mirrored =
+        roomWith(test::quad(1, 0.5), test::lambert(0.0f, 3), test::translation({0, 2, 0}) * test::scaling({-1, 2, 1}));
     extractEmitters(mirrored, 8);
     ASSERT_EQ(mirrored.lights.size(), 1u);
     EXPECT_GT(mirrored.lightsAt()[0].direction.y, 0.999) << "front stays front";
@@ -289,7 +290,8 @@ TEST(ExtractEmitters, TheStrongestComeFirst) {
     test::SceneBuilder builder;
     builder.add(test::quad(10, 10), test::lambert(0.5f));
     for (const float radiance : {1.0f, 5.0f, 3.0f})
-        builder.add(test::quad(0.5, 0.5), test::lambert(0.0f, radiance), test::translation({static_cast<double>(radiance), 2, 0}));
+        builder.add(test::quad(0.5, 0.5), test::lambert(0.0f, radiance),
+                    test::translation({static_cast<double>(radiance), 2, 0}));
     Scene scene = builder.build();
     extractEmitters(scene, 2);
     ASSERT_EQ(scene.lights.size(), 2u);

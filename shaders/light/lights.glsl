@@ -24,7 +24,7 @@ struct Light {
     vec3 direction;
     float range;
     vec3 intensity;
-    float radius;
+    float radius;  // sine of the angular radius of a directional light
     vec3 right;
     float halfWidth;
     vec3 up;
@@ -58,6 +58,15 @@ float sphereFormFactorOverRadius2(vec3 toCenter, vec3 n, float radius) {
     float s = sqrt(max(1.0 - c * c, 1e-12));
     float F = (c * acos(clamp(-c * sqrt(q) / s, -1.0, 1.0)) - sqrt(k * q)) / h2 + atan(sqrt(k / q));
     return max(F, 0.0) / (kPi * r2);
+}
+
+// Irradiance by a disc of the sky that the horizon cuts, over that on a facing plane. `cosine`: of its middle, `radius`: the
+// sine of its angular radius.
+float discOnHorizon(float cosine, float radius) {
+    if (radius > 0.1) return sphereFormFactorOverRadius2(vec3(sqrt(1.0 - cosine * cosine), cosine, 0.0), vec3(0.0, 1.0, 0.0), radius);
+    // As a flat disc, to radius²/3 of it: the above would lose its digits.
+    float t = cosine / radius, s = sqrt(1.0 - t * t);
+    return radius * (t * (0.5 + (t * s + asin(t)) / kPi) + 2.0 / (3.0 * kPi) * s * s * s);
 }
 
 // One edge of Lambert's polygon formula: angle between a and b times the cosine of the normal of their plane.
@@ -100,7 +109,11 @@ float rectangleFormFactor(vec3 center, vec3 direction, vec3 halfRight, vec3 half
 
 // Irradiance at `pos` on a plane of unit normal n, nothing in between.
 vec3 unshadowedIrradiance(Light light, vec3 pos, vec3 n) {
-    if (light.type == LIGHT_DIRECTIONAL) return light.intensity * max(-dot(light.direction, n), 0.0);
+    if (light.type == LIGHT_DIRECTIONAL) {
+        float cosine = -dot(light.direction, n);
+        if (abs(cosine) < light.radius) cosine = discOnHorizon(cosine, light.radius);
+        return light.intensity * max(cosine, 0.0);
+    }
     vec3 toLight = light.position - pos;
     if (light.type == LIGHT_SPHERE) {
         return light.intensity * sphereFormFactorOverRadius2(toLight, n, light.radius);
@@ -211,19 +224,23 @@ float sampleVisibility(Light light, ShadowView view, vec3 pos, vec3 normal, floa
         // Percentage-closer soft shadows (Fernando 2005) for the stratum: where blockers are, on average, makes the width
         // of the penumbra (docs/accuracy.md, row K2). Blockers nearer to the light than a fifth of the way are searched too
         // narrowly.
-        float reach = max(min(4.0 * stratum / (p.z * view.texel), view.maxKernel), kernel);
+        // Parallel views know the whole way; the search looks half as far to either side.
+        float widest = perspective ? 4.0 * stratum / p.z : 2.0 * stratum * (p.z + view.depth.x / view.depth.y);
+        float reach = max(min(widest / view.texel, view.maxKernel), kernel);
         float sum = 0.0, count = 0.0;
         for (int i = 0; i < 4; ++i) {
             vec2 t = t0 + (vec2(i & 1, i >> 1) - 0.5) * (reach * view.texel);
             if (dot(axis, vec3(t, 1.0)) < above) continue;
             ShadowTexels texels = lookUp(view, receiver, t);
-            vec4 z = view.depth.y / (view.depth.x - min(texels.depths, vec4(0.999999)));
+            vec4 z = perspective ? view.depth.y / (view.depth.x - min(texels.depths, vec4(0.999999)))
+                                 : (texels.depths - view.depth.x) / view.depth.y;
             sum += dot(texels.blocked, z);
             count += dot(texels.blocked, vec4(1.0));
         }
         if (count > 0.0) {
-            float blocker = max(sum / count, 1e-3 * p.z);
-            float penumbra = stratum * max(p.z - blocker, 0.0) / (p.z * blocker * view.texel);
+            float blocker = sum / count, behind = max(p.z - blocker, 0.0);
+            float penumbra = stratum * behind / view.texel;
+            if (perspective) penumbra /= p.z * max(blocker, 1e-3 * p.z);
             kernel = clamp(penumbra, kernel, view.maxKernel);
         }
         // A sample that stands alone needs more steps in a wide penumbra; far from any, one look-up does.
@@ -270,7 +287,9 @@ LightSample lightSample(Light light, uint index, vec3 pos, vec3 geometric, vec3 
     uint first = light.firstView + index * light.faces;
     vec3 offset = light.position - pos;
     if (light.samples > 1u) offset = b_shadowViews[first].origin - pos;
-    if (light.type == LIGHT_DIRECTIONAL) offset = -light.direction;
+    if (light.type == LIGHT_DIRECTIONAL) {
+        offset = light.samples > 1u ? -b_shadowViews[first].forward : -light.direction;
+    }
     float d2 = dot(offset, offset);
     s.distance_ = sqrt(d2);
     s.toLight = offset / s.distance_;
@@ -296,6 +315,8 @@ vec3 directIrradiance(vec3 pos, vec3 normal, float slack) {
     vec3 sum = vec3(0.0);
     for (int i = 0; i < u_lightCount; ++i) {
         Light light = b_lights[i];
+        // The back of a panel that the light lies on may seem to be before its plane by as much.
+        if (light.type == LIGHT_RECTANGLE && dot(light.position - pos - slack * normal, light.direction) >= 0.0) continue;
         vec3 irradiance = unshadowedIrradiance(light, pos, normal);
         if (all(equal(irradiance, vec3(0.0)))) continue;
         float shares = 0.0, seen = 0.0;

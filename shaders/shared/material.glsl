@@ -9,7 +9,7 @@ struct Material {
     vec4 specular;               // rgb: F0 of the dielectric at full specular factor; w: specular factor (F90)
     vec4 uvTransform[8];         // two per slot (base colour, metallic-roughness, normal, emission): rows (a, b, offset, -)
     ivec4 texCoord;              // UV set of each slot
-    ivec4 flags;                 // x: alpha mode (0 opaque, 1 mask, 2 blend), y: 1 double sided, 2 leaves, z: unlit, w: textures as bits
+    ivec4 flags;                 // x: alpha mode (0 opaque, 1 mask, 2 blend), y: 1 double sided, 2 leaves, z: 1 unlit, 2 emission extracted, w: textures as bits
 };
 // A uniform block, not storage: pixels beside a triangle's edge, which give its derivatives, need not see storage (on
 // llvmpipe they read zeros, and a texture coordinate made from those asks for the smallest mip).
@@ -40,7 +40,8 @@ struct MaterialSample {
 bool materialHas(int slot) { return (b_material.flags.w & (1 << slot)) != 0; }
 bool materialDoubleSided() { return (b_material.flags.y & 1) != 0; }
 bool materialLeaves() { return (b_material.flags.y & 2) != 0; }
-bool materialUnlit() { return b_material.flags.z != 0; }
+bool materialUnlit() { return b_material.flags.z == 1; }
+bool materialExtracted() { return b_material.flags.z == 2; }  // analytic lights stand for its emission
 int materialAlphaMode() { return b_material.flags.x; }
 float materialAlphaCutoff() { return b_material.metallicRoughness.w; }
 

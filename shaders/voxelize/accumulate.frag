@@ -161,7 +161,7 @@ void main() {
         // The fits of voxelAlbedo leave a trace of reflection even where there is none.
         vec3 albedo = materialUnlit() ? vec3(0.0) : voxelAlbedo(surfaceOf(material));
         Surfel surfel = Surfel(albedo, normal, unpermute(middle - vec3(cell, z), f_axis),
-                               material.emission, opacity);
+                               materialExtracted() ? vec3(0.0) : material.emission, opacity);
 
         atomicAdd(b_fragments, 1u);
         uvec3 v = uvec3(voxel) & 1023u;

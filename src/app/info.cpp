@@ -30,6 +30,34 @@ void print(const json& tree, int indent) {
     }
 }
 
+/// What an extracted light gives and how large it is.
+json describeExtracted(const Light& light) {
+    const auto three = [](const auto& v) { return json{v.x, v.y, v.z}; };
+    json out{{"name", light.name}, {"direction", three(light.direction)}};
+    if (light.type == LightType::directional) {
+        out["irradiance"] = three(light.intensity);
+        out["angular_radius_deg"] = glm::degrees(light.angularRadius);
+    } else {
+        out["position"] = three(light.position);
+        out["radiance"] = three(light.intensity);
+        out["size_m"] = json{light.width, light.height};
+    }
+    return out;
+}
+
+std::string extractedText(const json& light) {
+    const auto three = [&](const char* key) {
+        return fmt::format("({:.4g}, {:.4g}, {:.4g})", light[key][0].get<double>(), light[key][1].get<double>(),
+                           light[key][2].get<double>());
+    };
+    if (light.contains("irradiance"))
+        return fmt::format("{}: along {}, {} W/m², angular radius {:.3g}°", light["name"].get<std::string>(),
+                           three("direction"), three("irradiance"), light["angular_radius_deg"].get<double>());
+    return fmt::format("{}: {:.4g} m × {:.4g} m at {} along {}, {} W/(m² sr)", light["name"].get<std::string>(),
+                       light["size_m"][0].get<double>(), light["size_m"][1].get<double>(), three("position"),
+                       three("direction"), three("radiance"));
+}
+
 }  // namespace
 
 Command infoCommand(CLI::App& app) {
@@ -49,6 +77,9 @@ Command infoCommand(CLI::App& app) {
                 out["device"] = describeDevice(context->info());
                 if (script) {
                     out["scene"] = describeScene(script->scene);
+                    out["extracted_lights"] = json::array();
+                    for (const Light& light : script->scene.lightsAt())
+                        if (light.extracted) out["extracted_lights"].push_back(describeExtracted(light));
                     const Renderer renderer(*context, script->scene, script->settings);
                     out["levels"] = json::array();
                     std::uint64_t bytes = 0;
@@ -73,11 +104,15 @@ Command infoCommand(CLI::App& app) {
                     fmt::print("{}\n", out.dump(2));
                     return 0;
                 }
+                const json extracted = out.value("extracted_lights", json::array());
+                out.erase("extracted_lights");
                 const json levels = out.value("levels", json::array());
                 out.erase("levels");
                 const json leftOut = out.value("left_out", json::array());
                 out.erase("left_out");
                 print(out, 0);
+                if (script) fmt::print("extracted_lights{}\n", extracted.empty() ? "  none" : "");
+                for (const json& light : extracted) fmt::print("  {}\n", extractedText(light));
                 if (script) fmt::print("levels{}\n", levels.empty() ? "  none" : "");
                 for (const json& l : levels) {
                     const auto why = l["left_out"].get<std::string>();

@@ -1,5 +1,6 @@
 #include "app/commands.h"
 #include "core/settings.h"
+#include "scene/extract.h"
 
 namespace voxcone {
 
@@ -22,6 +23,7 @@ CaptureScript ScriptOptions::load() const {
     for (const std::string& assignment : assignments) applyAssignment(probe, assignment);
     CaptureScript script = loadCaptureScript(file);
     for (const std::string& assignment : assignments) applyAssignment(script.settings, assignment);
+    extractLights(script.scene, script.settings.light);
     return script;
 }
 

@@ -74,6 +74,8 @@ Light readLight(JsonObject object) {
     if (hasDirection)
         light.direction =
             fromPath("direction", track.direction) ? track.direction.values.front() : object.direction("direction");
+    if (light.type == LightType::directional)
+        light.angularRadius = glm::radians(object.number("angular_radius_deg", 0, 0, 45, "degrees"));
     if (light.type == LightType::point || spot) light.range = object.number("range", 0, 0, kLargest, "m");
     if (spot) {
         const double outer = object.number("outer_cone_deg", 45, 0, 90, "degrees");

@@ -28,7 +28,7 @@ struct Preset {
 };
 constexpr Preset kPresets[] = {
     {"thesis", R"({"voxel": {"storage": "isotropic", "averaging": "compare_and_swap", "coverage": "binary"},
-                   "light": {"bounces": 0, "extrapolate": false},
+                   "light": {"bounces": 0, "extrapolate": false, "extract_environment": 0, "extract_emitters": 0},
                    "cone": {"diffuse": 9, "compositing": "alpha", "start": "nudge", "footprint_cap": 0, "step": 1,
                             "rotate": false},
                    "specular": {"aperture": "linear"}})"},
@@ -184,6 +184,10 @@ std::vector<Field> fields(Settings& s) {
               "cones a voxel face gathers a bounce with"),
         flag("light.extrapolate", s.light.extrapolate,
              "add the bounces that were left out as the geometric series of those before (needs 3 bounces)"),
+        integer("light.extract_environment", s.light.extractEnvironment, 0, 16, "lights",
+                "small bright parts of the panorama that become directional lights, at most"),
+        integer("light.extract_emitters", s.light.extractEmitters, 0, 64, "lights",
+                "rectangles of small emitting meshes that become rectangle lights, at most"),
         oneOf("cone.diffuse", s.cone.diffuse, {1, 5, 6, 9, 16, 32}, "", "diffuse cones a pixel"),
         number("cone.step", s.cone.step, 0.1, 4, "footprints", "distance between samples"),
         choice("cone.compositing", s.cone.compositing, {"linear", "exponential", "alpha"},

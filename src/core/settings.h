@@ -54,6 +54,8 @@ struct Settings {
         int bounces = 3;
         int bounceCones = 6;
         bool extrapolate = true;
+        int extractEnvironment = 4;
+        int extractEmitters = 8;
     } light;
     struct Cone {
         int diffuse = 16;

@@ -56,12 +56,14 @@ struct Renderer::Impl {
           width(settings.output.width * settings.output.supersample),
           height(settings.output.height * settings.output.supersample),
           timers(timerMode(context, settings.device.timer)),
-          environment(scene.environment),
+          environment(scene.environment, scene.environment.residual),
+          background(scene.environment.residual.empty() ? gl::GpuEnvironment() : gl::GpuEnvironment(scene.environment)),
           sky(skyOf(environment)),
+          seenSky(background.panorama ? skyOf(background) : sky),
           gpuScene(scene, time),
           shadowMaps(context, shaders, settings.light),
           gbuffer(shaders, gpuScene, width, height),
-          composite(shaders, gbuffer, sky),
+          composite(shaders, gbuffer, seenSky),
           readout(shaders) {
         const bool lights = !scene.lights.empty();
         if (lights) direct = std::make_unique<DirectPass>(shaders, gbuffer.defines(), width, height);
@@ -157,7 +159,7 @@ struct Renderer::Impl {
             }
             if (softShadow) runSoftShadow(volume, bindGBuffer);
         }
-        composite.run(gbuffer, sky, layers, settings.output.exposure, timers);
+        composite.run(gbuffer, seenSky, layers, settings.output.exposure, timers);
         timers.endFrame();
         collectStats();
         if (compare) *change = changeInPlace(before, channel("indirect_diffuse"), channel("albedo"));
@@ -188,8 +190,8 @@ struct Renderer::Impl {
             light.type == LightType::rectangle ? std::sqrt(light.width * light.height / M_PI) : light.radius;
         const glm::vec3 position =
             directional ? glm::vec3(-light.direction) : glm::vec3(light.position - gpuScene.origin());
-        softShadow->run(volume, position, static_cast<float>(directional ? 0.0 : radius), directional, bindGBuffer,
-                        timers);
+        softShadow->run(volume, position, static_cast<float>(directional ? std::sin(light.angularRadius) : radius),
+                        directional, bindGBuffer, timers);
     }
 
     void collectStats() {
@@ -203,7 +205,7 @@ struct Renderer::Impl {
         };
         memory("scene geometry", gpuScene.bufferBytes());
         memory("scene textures", gpuScene.textureBytes());
-        memory("environment", environment.panorama.bytes());
+        memory("environment", environment.panorama.bytes() + background.panorama.bytes());
         memory("shadow maps", shadowMaps.bytes());
         memory("g-buffer", gbuffer.bytes());
         if (direct) memory("direct light", direct->bytes());
@@ -298,7 +300,8 @@ struct Renderer::Impl {
     gl::ShaderLibrary shaders;
     gl::PassTimers timers;
     gl::GpuEnvironment environment;
-    Sky sky;
+    gl::GpuEnvironment background;  ///< empty unless it differs from what cones see
+    Sky sky, seenSky;
     gl::GpuScene gpuScene;
     ShadowMaps shadowMaps;
     GBuffer gbuffer;

@@ -16,11 +16,12 @@ constexpr double kPi = std::numbers::pi;
 /// Sums along the rows of a panorama, so that the mean of any part of a row costs two look-ups.
 class RowSums {
   public:
-    explicit RowSums(const Environment& e) : width_(e.width), sums_(static_cast<std::size_t>(e.width + 1) * e.height) {
+    RowSums(const Environment& e, const std::vector<glm::vec3>& texels)
+        : width_(e.width), sums_(static_cast<std::size_t>(e.width + 1) * e.height) {
         for (int row = 0; row < e.height; ++row) {
             dvec3 sum(0);
             for (int x = 0; x < width_; ++x) {
-                sum += dvec3(e.radiance[static_cast<std::size_t>(row) * width_ + x]);
+                sum += dvec3(texels[static_cast<std::size_t>(row) * width_ + x]);
                 at(row, x + 1) = sum;
             }
         }
@@ -83,13 +84,14 @@ std::vector<glm::vec3> capMeans(const RowSums& sums, int rows, int width, int he
 
 }  // namespace
 
-GpuEnvironment::GpuEnvironment(const Environment& environment)
+GpuEnvironment::GpuEnvironment(const Environment& environment, const std::vector<glm::vec3>& texels)
     : color(environment.color), rotation(static_cast<float>(glm::radians(environment.rotationDeg))) {
     if (environment.radiance.empty() || environment.black()) return;
     const int levels = fullMipLevels(environment.width, environment.height);
     panorama = Texture::create2D(GL_RGB32F, environment.width, environment.height, levels);
-    panorama.upload(0, GL_RGB, GL_FLOAT, environment.radiance.data());
-    const RowSums sums(environment);
+    const std::vector<glm::vec3>& radiance = texels.empty() ? environment.radiance : texels;
+    panorama.upload(0, GL_RGB, GL_FLOAT, radiance.data());
+    const RowSums sums(environment, radiance);
     for (int level = 1; level < levels; ++level) {
         const int width = panorama.width(level), height = panorama.height(level);
         panorama.upload(level, GL_RGB, GL_FLOAT,

@@ -300,7 +300,7 @@ void GpuScene::uploadMaterials() {
         }
         gpu.flags.x = static_cast<int>(material.alphaMode);
         gpu.flags.y = (material.doubleSided ? 1 : 0) | (leaves_.back() != 0 ? 2 : 0);
-        gpu.flags.z = material.unlit ? 1 : 0;
+        gpu.flags.z = material.unlit ? 1 : material.extracted ? 2 : 0;
         std::memcpy(blocks.data() + offset, &gpu, sizeof(gpu));
         offset += materialStride_;
     }
@@ -403,6 +403,7 @@ void GpuScene::updateBatches() {
             batch.doubleSided = material.doubleSided;
             batch.emits = material.unlit || material.emits();
             batch.leaves = leaves_[static_cast<std::size_t>(batch.material)] != 0;
+            batch.emitsToCones = batch.emits && !material.extracted;
             batch.firstIndex = closed ? range.firstClosed : range.firstOpen;
             batch.indexCount = closed ? range.closedCount : range.openCount;
             batch.baseVertex = shape.baseVertex;
@@ -462,6 +463,10 @@ std::uint64_t GpuScene::triangleCount() const {
 
 bool GpuScene::anyEmission() const {
     return std::any_of(batches_.begin(), batches_.end(), [](const Batch& batch) { return batch.emits; });
+}
+
+bool GpuScene::anyEmissionToCones() const {
+    return std::any_of(batches_.begin(), batches_.end(), [](const Batch& batch) { return batch.emitsToCones; });
 }
 
 bool GpuScene::anyAlphaTest() const {

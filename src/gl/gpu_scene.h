@@ -26,6 +26,7 @@ struct Batch {
     bool doubleSided = false;
     bool emits = false;                            ///< the material emits (emission or unlit)
     bool leaves = false;                           ///< Scene::isLeaves
+    bool emitsToCones = false;                     ///< and analytic lights do not do so in its place
     std::uint32_t firstIndex = 0, indexCount = 0;  ///< in the index buffer
     std::int32_t baseVertex = 0;
     std::uint32_t firstObject = 0, objectCount = 0;  ///< instances: consecutive objects
@@ -63,9 +64,10 @@ class GpuScene {
     bool empty() const { return batches_.empty(); }
     std::uint64_t triangleCount() const;  ///< over all instances
     bool anyEmission() const;
-    bool anyAlphaTest() const;  ///< a batch with AlphaMode mask or blend
-    bool anyMoving() const;     ///< a batch that moves
-    bool anyLeaves() const;     ///< a batch of leaves
+    bool anyEmissionToCones() const;  ///< a batch with emitsToCones
+    bool anyAlphaTest() const;        ///< a batch with AlphaMode mask or blend
+    bool anyMoving() const;           ///< a batch that moves
+    bool anyLeaves() const;           ///< a batch of leaves
 
     /// World boxes that moving objects have left and entered since the last call, or since the upload: two for each
     /// object whose matrix or vertices changed in any setTime() between, none for the others. The boxes hold the

@@ -20,6 +20,10 @@ using glm::dvec3;
 constexpr double kNearOfDiagonal = 1.0 / 2048;
 /// A light narrower than this part of the diagonal has one sample point, whose shadow is widened by a blocker search.
 constexpr double kSmallLightOfDiagonal = 1.0 / 64;
+/// A directional light has one sample point if the tangent of its angular radius is at most this.
+constexpr double kSmallDisc = 1.0 / 64;
+/// Sample points of a wider one.
+constexpr int kDiscSamples = 12;
 /// Spot lights wider than this half-angle are seen through a cube: one perspective view would waste its middle.
 constexpr double kWidestSpot = 1.0;
 /// Sample points of a rectangle, about.
@@ -132,6 +136,21 @@ std::vector<dvec3> sphereSamples(const dvec3& center, double radius) {
     return points;
 }
 
+/// Points of a disc of radius 1 on a spiral (Vogel 1979). Each stands for a square of area π/n, whose half-edge is
+/// `stratumSize`; with its variance s²/3 the points have that of the disc, 1/4 along an axis.
+std::vector<glm::dvec2> discSamples(float& stratumSize) {
+    const double half = 0.5 * std::sqrt(std::numbers::pi / kDiscSamples);
+    const double scale = std::sqrt(1 - 4 * half * half / 3);
+    std::vector<glm::dvec2> points;
+    for (int i = 0; i < kDiscSamples; ++i) {
+        const double r = scale * std::sqrt((i + 0.5) / kDiscSamples),
+                     angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
+        points.emplace_back(r * std::cos(angle), r * std::sin(angle));
+    }
+    stratumSize = static_cast<float>(half);
+    return points;
+}
+
 /// Centres of nearly square strata.
 std::vector<dvec3> rectangleSamples(const dvec3& center, const Frame& frame, double width, double height,
                                     double& stratumSize) {
@@ -216,9 +235,24 @@ LightLayout layoutAt(const std::vector<Light>& lights, const Bounds& worldBounds
         std::vector<dvec3> points = {position};
         double stratum = 0;
         switch (light.type) {
-            case LightType::directional:
-                if (casters) builder.addDirectional(frame, tileSize(1));
+            case LightType::directional: {
+                const double tangent = std::tan(light.angularRadius);
+                record.radius = static_cast<float>(std::sin(light.angularRadius));
+                if (tangent <= kSmallDisc) {
+                    record.stratumSize = static_cast<float>(std::sqrt(0.75) * tangent);
+                    if (casters) builder.addDirectional(frame, tileSize(1));
+                    break;
+                }
+                const std::vector<glm::dvec2> places = discSamples(record.stratumSize);
+                record.stratumSize *= static_cast<float>(tangent);
+                record.samples = static_cast<std::uint32_t>(places.size());
+                for (const glm::dvec2& place : places) {
+                    const dvec3 towards =
+                        glm::normalize(frame.forward + tangent * (place.x * frame.right + place.y * frame.up));
+                    if (casters) builder.addDirectional(frameOf(towards, frame.up), tileSize(4));
+                }
                 break;
+            }
             case LightType::spot:
                 if (light.outerConeAngle <= kWidestSpot) {
                     if (casters) {

@@ -1,9 +1,10 @@
 // The lights as the shaders read them, and which depth maps their shadows need: plain arithmetic, no OpenGL.
 //
-// One mechanism serves every light: a light is a few sample points (one for directional, point and spot lights; the
-// centres of equal strata for spheres and rectangles), each sample point has one or more views, and each view is a
-// square tile of one depth atlas. A view of a half or whole space is made of the five or six faces of a cube in the
-// frame of the light. The GLSL twins of the records stand in shaders/light/lights.glsl.
+// One mechanism serves every light: a light is a few sample points (one for point and spot lights; the
+// centres of equal strata for spheres and rectangles, and for directional lights with an angular radius), each sample
+// point has one or more views, and each view is a square tile of one depth atlas. A view of a half or whole space is
+// made of the five or six faces of a cube in the frame of the light. The GLSL twins of the records stand in
+// shaders/light/lights.glsl.
 #pragma once
 
 #include <cstdint>
@@ -21,13 +22,14 @@ struct LightRecord {
     glm::vec3 direction{0, 0, -1};  ///< the way the light travels
     float range = 0;                ///< 0 = unlimited
     glm::vec3 intensity{0};         ///< as Light::intensity
-    float radius = 0;
+    float radius = 0;               ///< metres; sine of the angular radius of a directional light
     glm::vec3 right{1, 0, 0};
     float halfWidth = 0;
     glm::vec3 up{0, 1, 0};
     float halfHeight = 0;
     float cosInnerCone = 1, cosOuterCone = 0;  ///< of the half-angles
-    float stratumSize = 0;                     ///< half the edge of the square that one sample point stands for, metres
+    float stratumSize = 0;  ///< half the edge of the square that one sample point stands for, metres; a metre
+                            ///< away for directional lights
     std::uint32_t padding0 = 0;
     std::uint32_t firstView = 0;  ///< sample i has the views firstView + i·faces and following
     std::uint32_t faces = 0;      ///< views of a sample: 1, 5 (no face looks backwards) or 6

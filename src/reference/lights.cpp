@@ -21,6 +21,13 @@ float oneMinusCosine(float sin2) {
     return sin2 / (1 + std::sqrt(std::max(0.0f, 1 - sin2)));
 }
 
+// Uniform over directions about +z whose 1 − cosine is at most `cap`.
+glm::vec3 capDirection(float cap, const glm::vec2& u) {
+    const float fromAxis = u.x * cap, phi = 2 * kPi * u.y;
+    const float sine = std::sqrt(std::max(0.0f, fromAxis * (2 - fromAxis)));
+    return {sine * std::cos(phi), sine * std::sin(phi), 1 - fromAxis};
+}
+
 // Uniform over a triangle: weights of its second and third vertex (Osada et al. 2002).
 glm::vec2 trianglePoint(const glm::vec2& u) {
     const float s = std::sqrt(u.x);
@@ -49,6 +56,7 @@ AnalyticLights::AnalyticLights(const Scene& scene, double time, const TracingSpa
     std::vector<double> power;
     double total = 0;
     for (const Light& light : scene.lightsAt(time)) {
+        if (light.extracted) continue;
         PlacedLight p;
         p.type = light.type;
         p.radiance = light.intensity;
@@ -59,6 +67,9 @@ AnalyticLights::AnalyticLights(const Scene& scene, double time, const TracingSpa
         switch (light.type) {
             case LightType::directional:
                 watts *= glm::pi<double>();  // over a disc as large as the scene
+                if (light.angularRadius <= 0) break;
+                p.radius = static_cast<float>(std::sin(light.angularRadius));
+                p.radiance /= static_cast<float>(glm::pi<double>() * std::pow(std::sin(light.angularRadius), 2));
                 break;
             case LightType::spot:
                 p.cosInner = static_cast<float>(std::cos(light.innerConeAngle));
@@ -89,7 +100,7 @@ AnalyticLights::AnalyticLights(const Scene& scene, double time, const TracingSpa
                 break;
         }
         if (!(watts > 0)) continue;
-        if (p.type == LightType::sphere || p.type == LightType::rectangle) areaLights_.push_back(lights_.size());
+        if (p.type == LightType::rectangle || p.radius > 0) areaLights_.push_back(lights_.size());
         lights_.push_back(p);
         power.push_back(watts);
         total += watts;
@@ -110,6 +121,15 @@ bool AnalyticLights::hit(const PlacedLight& light, const glm::vec3& origin, cons
         if (std::abs(glm::dot(p, light.right)) > light.halfWidth || std::abs(glm::dot(p, light.up)) > light.halfHeight)
             return false;
         pdf = distance * distance / (facing * 4 * light.halfWidth * light.halfHeight);
+        return true;
+    }
+    if (light.type == LightType::directional) {
+        // |a − b|² of unit vectors is 2(1 − cosine), without cancellation.
+        const glm::vec3 apart = direction + light.direction;
+        const float cap = oneMinusCosine(light.radius * light.radius);
+        if (glm::dot(apart, apart) > 2 * cap) return false;
+        distance = std::numeric_limits<float>::max();
+        pdf = 1 / (2 * kPi * cap);
         return true;
     }
     const float d2 = glm::dot(toCenter, toCenter), r2 = light.radius * light.radius;
@@ -136,7 +156,14 @@ LightSample AnalyticLights::sample(const glm::vec3& origin, const glm::vec2& u, 
             sample.far = kInfinity;
             sample.radiance = light.radiance;
             sample.pdf = chosen;
-            sample.delta = true;
+            sample.delta = light.radius <= 0;
+            if (sample.delta) break;
+            {
+                const float cap = oneMinusCosine(light.radius * light.radius);
+                sample.direction = frameAround(-light.direction) * capDirection(cap, u);
+                sample.toTarget = sample.direction;
+                sample.pdf = chosen / (2 * kPi * cap);
+            }
             break;
         case LightType::point:
         case LightType::spot: {
@@ -157,12 +184,11 @@ LightSample AnalyticLights::sample(const glm::vec3& origin, const glm::vec2& u, 
         case LightType::sphere: {
             const float d2 = glm::dot(toCenter, toCenter), r2 = light.radius * light.radius;
             if (d2 <= r2) break;
-            const float cap = oneMinusCosine(r2 / d2), fromAxis = u.x * cap, phi = 2 * kPi * u.y;
-            const float sine = std::sqrt(std::max(0.0f, fromAxis * (2 - fromAxis)));
-            const float d = std::sqrt(d2);
-            sample.direction =
-                frameAround(toCenter / d) * glm::vec3(sine * std::cos(phi), sine * std::sin(phi), 1 - fromAxis);
-            const float reach = d * (1 - fromAxis) - std::sqrt(std::max(0.0f, r2 - d2 * sine * sine));
+            const float cap = oneMinusCosine(r2 / d2), d = std::sqrt(d2);
+            const glm::vec3 local = capDirection(cap, u);
+            sample.direction = frameAround(toCenter / d) * local;
+            const float reach =
+                d * local.z - std::sqrt(std::max(0.0f, r2 - d2 * (local.x * local.x + local.y * local.y)));
             sample.toTarget = sample.direction * reach;
             sample.far = 1 - kLightClearance;
             sample.radiance = light.radiance;
@@ -272,6 +298,7 @@ LightSample Emitters::sampleTriangle(const glm::vec3& origin, const glm::vec2& u
     sample.far = 1;
     const Shading shading = geometry_->shade(hit, -sample.direction);
     sample.radiance = shading.coverage * shading.emission;
+    sample.directShare = directShare(hit);
     const float facing = std::abs(glm::dot(sample.direction, hit.normal));
     if (facing > 0)
         sample.pdf = triangleShare_ * pdfPerArea_[chosen.instance][chosen.triangle] * glm::dot(exact, exact) / facing;
@@ -290,6 +317,7 @@ LightSample Emitters::sampleSky(glm::vec2 u) const {
     sample.far = kInfinity;
     sample.radiance = sky(sample.direction);
     sample.pdf = pdfOfSky(sample.direction);
+    sample.directShare = directShareOfSky(sample.direction);
     return sample;
 }
 
@@ -312,6 +340,15 @@ float Emitters::pdfOfSky(const glm::vec3& direction) const {
     const float perUv = rows_.probability(row) * columns_[row].probability(column) *
                         static_cast<float>(environment_->width) * static_cast<float>(environment_->height);
     return skyShare_ * perUv / (2 * kPi * kPi * sine);
+}
+
+glm::vec3 Emitters::directShareOfSky(const glm::vec3& direction) const {
+    if (environment_->residual.empty()) return glm::vec3(0);
+    const glm::vec3 all = sky(direction), left = environmentResidual(*environment_, direction);
+    glm::vec3 share(0);
+    for (int c = 0; c < 3; ++c)
+        if (all[c] > 0) share[c] = glm::clamp(1 - left[c] / all[c], 0.0f, 1.0f);
+    return share;
 }
 
 glm::vec3 Emitters::sky(const glm::vec3& direction) const {

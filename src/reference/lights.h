@@ -20,9 +20,10 @@ struct LightSample {
     float pdf =
         0;  ///< per sr, choice of the light included; of a delta light the probability of the choice; 0 = no light
     bool delta = false;
+    glm::vec3 directShare{1};  ///< of the radiance: what counts as direct at the visible surface
 };
 
-/// Scene::lights: unseen by the camera, blocking nothing.
+/// Scene::lights but for extracted ones, for which Emitters have the truth: unseen by the camera, blocking nothing.
 class AnalyticLights {
   public:
     AnalyticLights(const Scene& scene, double time, const TracingSpace& space);
@@ -30,8 +31,8 @@ class AnalyticLights {
     bool empty() const { return choice_.empty(); }
     LightSample sample(const glm::vec3& origin, const glm::vec2& u, float uChoice) const;
 
-    /// Calls `visit(radiance, pdf)` for each sphere and rectangle that the ray meets before `far`; `pdf` is that of
-    /// `sample`.
+    /// Calls `visit(radiance, pdf)` for each sphere, rectangle and disc in the sky that the ray meets before `far`;
+    /// `pdf` is that of `sample`.
     template <class Visitor>
     void forEachHit(const glm::vec3& origin, const glm::vec3& direction, float far, Visitor&& visit) const {
         for (const std::size_t k : areaLights_) {
@@ -74,6 +75,9 @@ class Emitters {
     float pdfOfHit(const Hit& hit, const glm::vec3& direction) const;
     float pdfOfSky(const glm::vec3& direction) const;
     glm::vec3 sky(const glm::vec3& direction) const;
+    /// Share of the light of a hit or of the sky that analytic lights stand for: LightSample::directShare.
+    glm::vec3 directShare(const Hit& hit) const { return glm::vec3(geometry_->material(hit.instance).extracted); }
+    glm::vec3 directShareOfSky(const glm::vec3& direction) const;
 
   private:
     struct Triangle {

@@ -275,8 +275,13 @@ Scattered PathTracer::Impl::scatter(Vertex vertex, const Sampler& sampler, int m
             const glm::vec4 u = sampler.set(sets + kEmitterSet);
             const LightSample light = emitters.sample(vertex.origin, glm::vec2(u), u.z);
             if (throughLobes(light, diffuse, specular) && lit(light, rays + kEmitterSet)) {
-                (depth == 0 ? result.diffuse : *channel) += diffuse;
-                (depth == 0 ? result.specular : *channel) += specular;
+                if (depth == 0) {
+                    result.direct += light.directShare * (diffuse + specular);
+                    result.diffuse += (1.0f - light.directShare) * diffuse;
+                    result.specular += (1.0f - light.directShare) * specular;
+                } else {
+                    *channel += diffuse + specular;
+                }
             }
         }
 
@@ -309,8 +314,13 @@ Scattered PathTracer::Impl::scatter(Vertex vertex, const Sampler& sampler, int m
             vertex.origin, direction, found ? hit.distance : kInfinity, [&](const glm::vec3& radiance, float lightPdf) {
                 (depth == 0 ? result.direct : *channel) += throughput * radiance * powerHeuristic(pdf, lightPdf);
             });
+        const auto addFound = [&](const glm::vec3& radiance, const glm::vec3& directShare) {
+            if (depth == 0) result.direct += throughput * radiance * directShare;
+            *channel += throughput * radiance * (depth == 0 ? 1.0f - directShare : glm::vec3(1));
+        };
         if (!found) {
-            *channel += throughput * emitters.sky(direction) * powerHeuristic(pdf, emitters.pdfOfSky(direction));
+            addFound(emitters.sky(direction) * powerHeuristic(pdf, emitters.pdfOfSky(direction)),
+                     emitters.directShareOfSky(direction));
             break;
         }
         // Looking up a material costs as much as a ray: not for paths that end here.
@@ -320,7 +330,8 @@ Scattered PathTracer::Impl::scatter(Vertex vertex, const Sampler& sampler, int m
         if (ends && !emitters.shines(hit)) break;
         const Shading shading = geometry.shade(hit, -direction);
         if (maxComponent(shading.emission) > 0)
-            *channel += throughput * shading.emission * powerHeuristic(pdf, emitters.pdfOfHit(hit, direction));
+            addFound(shading.emission * powerHeuristic(pdf, emitters.pdfOfHit(hit, direction)),
+                     emitters.directShare(hit));
         if (ends) break;
         throughput /= survival;
         vertex = makeVertex(hit, shading, -direction);

@@ -15,7 +15,8 @@ namespace voxcone {
 /// Conventions shared with the renderer (docs/architecture.md, "What light does"):
 ///  - A surface blocks light from both sides. The back of a single-sided material reflects like its front but does not
 ///    emit, and the camera's own rays pass through it.
-///  - `direct` is light from analytic lights (Scene::lights) straight to the visible surface, diffuse and specular.
+///  - `direct` is light from analytic lights (Scene::lights) straight to the visible surface, diffuse and specular; of
+///    extracted ones (scene/extract.h) that of the panorama and the meshes that they stand for.
 ///    Everything else that arrives (sky, emitting surfaces, bounced light) is indirect: `indirectDiffuse` through the
 ///    diffuse lobe, `indirectSpecular` through the specular lobe. beauty = direct + both + emission + background.
 ///  - Pixel samples lie on the regular supersample² grid inside the pixel (pixel centre for 1).

@@ -21,6 +21,23 @@ std::string oneLine(std::string text) {
     return text.substr(0, text.find_last_not_of(' ') + 1);
 }
 
+glm::vec3 bilinear(const Environment& environment, const std::vector<glm::vec3>& texels, const glm::vec3& d) {
+    const glm::vec2 uv = environmentUv(environment, d);
+    const float x = uv.x * static_cast<float>(environment.width) - 0.5f;
+    const float y = uv.y * static_cast<float>(environment.height) - 0.5f;
+    const float fx = x - std::floor(x), fy = y - std::floor(y);
+    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+    auto texel = [&](int column, int row) {
+        const int wrapped = (column + environment.width) % environment.width;
+        const int clamped = std::clamp(row, 0, environment.height - 1);
+        return texels[static_cast<std::size_t>(clamped) * static_cast<std::size_t>(environment.width) +
+                      static_cast<std::size_t>(wrapped)];
+    };
+    const glm::vec3 top = glm::mix(texel(x0, y0), texel(x0 + 1, y0), fx);
+    const glm::vec3 bottom = glm::mix(texel(x0, y0 + 1), texel(x0 + 1, y0 + 1), fx);
+    return environment.color * glm::mix(top, bottom, fy);
+}
+
 }  // namespace
 
 Environment loadEnvironment(const std::filesystem::path& file) {
@@ -74,21 +91,12 @@ glm::vec2 environmentUv(const Environment& environment, const glm::vec3& d) {
 }
 
 glm::vec3 environmentRadiance(const Environment& environment, const glm::vec3& d) {
-    if (environment.radiance.empty()) return environment.color;
-    const glm::vec2 uv = environmentUv(environment, d);
-    const float x = uv.x * static_cast<float>(environment.width) - 0.5f;
-    const float y = uv.y * static_cast<float>(environment.height) - 0.5f;
-    const float fx = x - std::floor(x), fy = y - std::floor(y);
-    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-    auto texel = [&](int column, int row) {
-        const int wrapped = (column + environment.width) % environment.width;
-        const int clamped = std::clamp(row, 0, environment.height - 1);
-        return environment.radiance[static_cast<std::size_t>(clamped) * static_cast<std::size_t>(environment.width) +
-                                    static_cast<std::size_t>(wrapped)];
-    };
-    const glm::vec3 top = glm::mix(texel(x0, y0), texel(x0 + 1, y0), fx);
-    const glm::vec3 bottom = glm::mix(texel(x0, y0 + 1), texel(x0 + 1, y0 + 1), fx);
-    return environment.color * glm::mix(top, bottom, fy);
+    return environment.radiance.empty() ? environment.color : bilinear(environment, environment.radiance, d);
+}
+
+glm::vec3 environmentResidual(const Environment& environment, const glm::vec3& d) {
+    return environment.residual.empty() ? environmentRadiance(environment, d)
+                                        : bilinear(environment, environment.residual, d);
 }
 
 }  // namespace voxcone

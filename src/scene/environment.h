@@ -15,6 +15,9 @@ Environment loadEnvironment(const std::filesystem::path& file);
 /// Radiance from unit direction `d` (towards the sky), bilinear, wrapping in longitude, clamped at the poles.
 glm::vec3 environmentRadiance(const Environment& environment, const glm::vec3& d);
 
+/// The part of it that analytic lights leave to cones: of Environment::residual.
+glm::vec3 environmentResidual(const Environment& environment, const glm::vec3& d);
+
 /// Texture coordinates in [0,1)² of unit direction `d` after the rotation: u grows to the right seen from inside, v
 /// downwards.
 glm::vec2 environmentUv(const Environment& environment, const glm::vec3& d);

@@ -63,6 +63,9 @@ struct Material {
     /// glTF extras "voxcone_matter".
     Matter matter = Matter::automatic;
 
+    /// Its emission is that of analytic lights (scene/extract.h): it is seen, but voxels leave it out.
+    bool extracted = false;
+
     bool emits() const { return emission.x > 0 || emission.y > 0 || emission.z > 0; }
 };
 
@@ -147,8 +150,12 @@ struct Light {
     double range = 0;                ///< KHR_lights_punctual range in metres, 0 = unlimited
     double innerConeAngle = 0, outerConeAngle = 0.7853981633974483;  ///< spot, half-angles in radians
     double radius = 0;                                               ///< sphere, metres
-    double width = 0, height = 0;                                    ///< rectangle, metres
+    double angularRadius = 0;      ///< directional: radians, the disc that is seen in the sky; 0 = a point of it
+    double width = 0, height = 0;  ///< rectangle, metres
     LightTrack track;
+    /// Stands for part of the panorama or for an emitting mesh (scene/extract.h), which the path tracer samples
+    /// instead.
+    bool extracted = false;
     bool operator==(const Light&) const = default;
 };
 
@@ -170,7 +177,9 @@ struct Environment {
     glm::vec3 color{0};  ///< radiance; multiplies the image when there is one
     int width = 0, height = 0;
     std::vector<glm::vec3> radiance;  ///< width·height texels or empty
-    double rotationDeg = 0;           ///< about +y, counter-clockwise seen from above
+    /// What of `radiance` analytic lights leave to cones (scene/extract.h); empty = all of it.
+    std::vector<glm::vec3> residual;
+    double rotationDeg = 0;  ///< about +y, counter-clockwise seen from above
     bool black() const { return color.x <= 0 && color.y <= 0 && color.z <= 0; }
 };
 

@@ -23,6 +23,7 @@ std::string onOff(bool value) {
 float largestEmission(const Scene& scene) {
     float largest = 0;
     for (const Material& m : scene.materials) {
+        if (m.extracted) continue;
         const glm::vec3 e = m.unlit ? glm::vec3(m.baseColor) : m.emission;
         largest = std::max({largest, e.x, e.y, e.z});
     }
@@ -99,7 +100,7 @@ Voxelizer::Voxelizer(const gl::Context& context, const gl::ShaderLibrary& shader
     : settings_(settings.voxel),
       maxStorageBytes_(context.info().maxSsboBytes),
       maxRecordBytes_(maxStorageBytes_),
-      emission_(scene.anyEmission()),
+      emission_(scene.anyEmissionToCones()),
       layers_(scene.anyMoving()) {
     const bool cas = settings_.averaging == VoxelAveraging::compare_and_swap;
     // Other compositing takes all matter for one kind, and binary coverage knows no share.

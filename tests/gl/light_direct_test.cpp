@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "light_lab.h"
+#include "scene/extract.h"
 #include "scene/light_math.h"
 #include "support/shapes.h"
 
@@ -73,6 +74,72 @@ TEST_F(LightDirect, DirectionalIsLamberts) {
     LightLab lab(floorWith(directional({0.6, -0.8, 0}, 3)));
     EXPECT_NEAR(lab.irradiance({{{1, 0, 2}, kUp}})[0].x, 3 * 0.8, 1e-5);
     EXPECT_EQ(lab.irradiance({{{1, 0, 2}, -kUp}})[0].x, 0);
+}
+
+Light sun(const dvec3& direction, double angularRadius) {
+    Light light = directional(direction);
+    light.angularRadius = angularRadius;
+    return light;
+}
+
+TEST_F(LightDirect, DiscInTheSkyIsCutByTheHorizon) {  // B6 at infinity, over sin²r
+    for (const double radius : {0.01, 0.3}) {
+        LightLab lab(floorWith(sun({0.6, -0.8, 0}, radius)));
+        EXPECT_NEAR(lab.unshadowed({{{1, 0, 2}, kUp}})[0].x, 0.8, 1e-5);
+        const double h = 1 / std::sin(radius), q = h * h - 1;
+        const double half =
+            (-std::sqrt(q) / (h * h) + std::atan(std::sqrt(1 / q))) / kPi / std::pow(std::sin(radius), 2);
+        EXPECT_NEAR(lab.unshadowed({{{1, 0, 2}, {0.8f, 0.6f, 0}}})[0].x, half, 0.01 * half);
+        EXPECT_EQ(lab.unshadowed({{{1, 0, 2}, {0.6f, -0.8f, 0}}})[0].x, 0);
+    }
+}
+
+TEST_F(LightDirect, EdgeUnderASunIsK1AndAsWideAsK2) {
+    // One map for a small sun and several for a large one. The edge lies at x = 0, `height` above the floor.
+    for (const auto& [radius, height, bound] : {std::tuple(0.0047, 4.0, 0.05), {0.015, 3.0, 0.05}, {0.1, 1.0, 0.06}}) {
+        const Scene scene = test::SceneBuilder()
+                                .add(test::quad(8, 8), test::lambert(0.5f))
+                                .add(test::quad(3, 6), test::lambert(0.5f), test::translation({-1.5, height, 0}))
+                                .light(sun({0, -1, 0}, radius))
+                                .build();
+        LightLab lab(scene);
+        const double unit = height * std::tan(radius);
+        std::vector<Receiver> receivers;
+        for (double t = -1.5; t <= 1.5; t += 0.05) receivers.push_back({{t * unit, 0, 0.013}, kUp});
+        const std::vector<double> visible = lab.visibility(receivers);
+        double squares = 0;
+        for (std::size_t i = 0; i < receivers.size(); ++i) {
+            const double t = std::clamp(receivers[i].position.x / unit, -1.0, 1.0);
+            const double expected = 0.5 + (t * std::sqrt(1 - t * t) + std::asin(t)) / kPi;
+            squares += std::pow(visible[i] - expected, 2);
+        }
+        EXPECT_LT(std::sqrt(squares / static_cast<double>(receivers.size())), bound) << radius;
+        EXPECT_LT(visible.front(), 0.02) << radius;
+        EXPECT_GT(visible.back(), 0.98) << radius;
+    }
+}
+
+TEST_F(LightDirect, AnExtractedPanelIsC1) {
+    // The panel itself lies in the plane of its light, and is no shadow.
+    Scene scene = test::SceneBuilder()
+                      .add(test::quad(20, 20), test::lambert(0.5f))
+                      .add(test::quad(2, 2), test::lambert(0.5f, 3),
+                           test::translation({0, 1, 0}) * test::rotation(180, {1, 0, 0}))
+                      .build();
+    extractLights(scene, Settings::Light{});
+    ASSERT_EQ(scene.lights.size(), 1u);
+    LightLab lab(scene);
+    EXPECT_NEAR(lab.irradiance({{{0, 0, 0}, kUp}})[0].x, 3 * kPi * 0.554126, 1e-3);
+    // From below a corner it is a rectangle of A = B = 2.
+    const double corner = 2 / std::sqrt(5) * std::atan(2 / std::sqrt(5)) / kPi;
+    EXPECT_NEAR(lab.irradiance({{{1, 0, 1}, kUp}})[0].x, 3 * kPi * corner, 1e-3);
+}
+
+TEST_F(LightDirect, TheBackOfAPanelDoesNotSeeItsOwnLight) {
+    // A voxel knows its surface to half an edge: its back may seem to lie before the light.
+    LightLab lab(floorWith(panel({0, 2, 0}, 1, 1)));
+    EXPECT_EQ(lab.irradiance({{{0.1, 1.98, 0.1}, kUp}}, 0.05f)[0].x, 0);
+    EXPECT_GT(lab.irradiance({{{0.1, 1.9, 0.1}, kUp}}, 0.05f)[0].x, 3);
 }
 
 TEST_F(LightDirect, PointFallsWithTheSquare) {

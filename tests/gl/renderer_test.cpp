@@ -5,6 +5,9 @@
 
 #include <cmath>
 
+#include "metric/metrics.h"
+#include "reference/path_tracer.h"
+#include "scene/extract.h"
 #include "scene/gltf.h"
 #include "support/gl_context.h"
 #include "support/shapes.h"
@@ -151,6 +154,43 @@ TEST_F(RendererTest, ScaleByAPowerOfTwoChangesNothing) {
         for (std::size_t i = 0; i < one.data.size(); ++i) different += one.data[i] != other.data[i];
         EXPECT_EQ(different, 0u) << scale;
     }
+}
+
+/// A box on a floor under a panorama with a sun and a lamp, and what of both is extracted.
+Scene sunAndLamp(const Settings::Light& settings) {
+    Scene scene =
+        SceneBuilder()
+            .add(quad(4, 4), lambert(0.6f))
+            .add(box({0.8, 0.8, 0.8}), lambert(glm::vec3(0.8f, 0.4f, 0.2f)), translation({-0.6, 0.4, 0}))
+            .add(quad(0.6, 0.4), lambert(0.0f, 20.0f), translation({0.8, 1.2, -0.2}) * rotation(180, {1, 0, 0}))
+            .build();
+    Environment& sky = scene.environment;
+    sky.color = glm::vec3(1);
+    sky.width = 128, sky.height = 64;
+    sky.radiance.assign(128 * 64, glm::vec3(0.2f, 0.3f, 0.5f));
+    for (const std::size_t texel : {16 * 128 + 40, 16 * 128 + 41, 17 * 128 + 40, 17 * 128 + 41})
+        sky.radiance[texel] = glm::vec3(400, 350, 250);
+    extractLights(scene, settings);
+    return scene;
+}
+
+TEST_F(RendererTest, ExtractedLightsAgreeWithTheReference) {
+    Settings settings = small();
+    settings.light.shadowResolution = 1024;
+    settings.reference.samples = 128;
+    const auto errors = [&](const std::string& channel) {
+        const Scene scene = sunAndLamp(settings.light);
+        Renderer renderer(glContext(), scene, settings);
+        renderer.render(kCamera);
+        const ReferenceImages truth = PathTracer(scene).render(kCamera, settings);
+        return linearError(channel == "direct" ? truth.direct : truth.beauty, renderer.channel(channel));
+    };
+    const LinearError direct = errors("direct"), beauty = errors("beauty");
+    EXPECT_LT(std::abs(direct.relativeBias), 0.01);
+    EXPECT_LT(direct.relMse, 0.01);
+    settings.light.extractEnvironment = settings.light.extractEmitters = 0;
+    EXPECT_LT(beauty.relMse, 0.1 * errors("beauty").relMse);
+    EXPECT_EQ(errors("direct").rmse, 0) << "nothing is direct light without extraction";
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "scene/brdf.h"
 #include "scene/environment.h"
+#include "scene/extract.h"
 #include "support/shapes.h"
 
 namespace voxcone {
@@ -240,6 +241,62 @@ TEST(ExactAnswers, K1LightPastAnEdge) {
         builder.light(sphereLight({0, height, 0}, 1, static_cast<float>(height * height)));
         EXPECT_NEAR(probeAt(builder.build(), {0, 0, 0}).directIrradiance.x, visible, 3e-3);
     }
+}
+
+TEST(ExactAnswers, K1SunPastAnEdge) {
+    // The same from infinity: what is hidden lies left of the edge by the tangent of an angle.
+    const double radius = 0.05;
+    for (const auto& [t, visible] : {std::pair(-0.5, 0.195501), {0.25, 0.657481}, {0.9, 0.981307}}) {
+        Light sun;
+        sun.type = LightType::directional;
+        sun.angularRadius = radius;
+        const Scene scene = SceneBuilder()
+                                .add(quad(20, 20), lambert(0.0f), translation({-t * std::tan(radius) - 10, 1, 0}))
+                                .light(sun)
+                                .build();
+        // A disc in the sky is a circle of directions, so a straight edge in a plane is one as well, to second order.
+        EXPECT_NEAR(probeAt(scene, {0, 0, 0}).directIrradiance.x, visible, 3e-3) << t;
+    }
+}
+
+TEST(ExactAnswers, DiscInTheSkyCutByTheHorizon) {
+    Light sun;
+    sun.type = LightType::directional;
+    sun.angularRadius = 0.3;
+    sun.direction = {-1, 0, 0};
+    const Scene scene = SceneBuilder().light(sun).build();
+    // Half a disc in the horizon: B6 with c = 0, over what facing it gives, sin²r.
+    const double h = 1 / std::sin(0.3), q = h * h - 1;
+    const double half = (-std::sqrt(q) / (h * h) + std::atan(std::sqrt(1 / q))) / kPi / std::pow(std::sin(0.3), 2);
+    EXPECT_NEAR(probeAt(scene, {0, 0, 0}).directIrradiance.x, half, 1e-3);
+    EXPECT_NEAR(probeAt(scene, {0, 0, 0}, {1, 0, 0}).directIrradiance.x, 1, 1e-3);
+}
+
+TEST(ExactAnswers, ExtractedSourcesAreDirectAndNothingElseChanges) {
+    Scene scene = SceneBuilder()
+                      .add(quad(20, 20), lambert(0.5f))
+                      .add(quad(1, 1), lambert(0.5f, 20), translation({0.3, 2, 0}) * kFaceDown)
+                      .build();
+    scene.environment.color = glm::vec3(1);
+    scene.environment.width = 64, scene.environment.height = 32;
+    scene.environment.radiance.assign(64 * 32, glm::vec3(0.2f));
+    for (const int column : {40, 41})
+        scene.environment.radiance[8 * 64 + static_cast<std::size_t>(column)] = glm::vec3(80);
+    Scene extracted = scene;
+    extractLights(extracted, Settings::Light{});
+    ASSERT_EQ(extracted.lights.size(), 2u);
+    const auto before = probeAt(scene, {0.1, 0.01, 0.2}, kUp, 1 << 15),
+               after = probeAt(extracted, {0.1, 0.01, 0.2}, kUp, 1 << 15);
+    EXPECT_EQ(before.directIrradiance.x, 0);
+    EXPECT_NEAR(after.directIrradiance.x + after.indirectIrradiance.x, before.indirectIrradiance.x,
+                1e-4 * before.indirectIrradiance.x);
+    // The lights that stand for both sources, in place of them.
+    Scene lights = extracted;
+    for (Light& light : lights.lights) light.extracted = false;
+    lights.environment = Environment{};
+    for (Material& material : lights.materials) material.emission = glm::vec3(0);
+    const auto analytic = probeAt(lights, {0.1, 0.01, 0.2}, kUp, 1 << 15);
+    EXPECT_NEAR(after.directIrradiance.x, analytic.directIrradiance.x, 0.01 * analytic.directIrradiance.x);
 }
 
 TEST(ExactAnswers, L1SealedRoomStaysBlack) {

@@ -54,7 +54,7 @@ class Script : public testing::Test {
         script_ = json::parse(R"({ "version": 1, "scene": "scene.gltf",
             "environment": {"color": [1, 2, 3], "intensity": 2, "rotation_deg": 90},
             "lights": [
-              {"type": "directional", "direction": [0, -2, 0], "intensity": 3},
+              {"type": "directional", "direction": [0, -2, 0], "intensity": 3, "angular_radius_deg": 0.27},
               {"type": "point", "position": [1, 2, 3], "intensity": [1, 1, 1], "range": 7},
               {"type": "spot", "position": [0, 1, 0], "direction": [0, -1, 0], "intensity": [1, 1, 1],
                "inner_cone_deg": 10, "outer_cone_deg": 30},
@@ -120,6 +120,7 @@ TEST_F(Script, GivesSceneLightsEnvironmentSettingsAndShots) {
     EXPECT_EQ(lights[0].type, LightType::directional);
     EXPECT_EQ(lights[0].direction, glm::dvec3(0, -1, 0));
     EXPECT_EQ(lights[0].intensity, glm::vec3(3));
+    EXPECT_DOUBLE_EQ(lights[0].angularRadius, glm::radians(0.27));
     EXPECT_EQ(lights[1].range, 7);
     EXPECT_NEAR(lights[2].outerConeAngle, 0.5236, 1e-4);
     EXPECT_NEAR(lights[2].innerConeAngle, 0.17453, 1e-4);
@@ -197,6 +198,7 @@ TEST_F(Script, WrongTypesAndRangesAreNamed) {
     EXPECT_THAT(with("/lights/0/direction", {0, "x", 0}),
                 StartsWith("script.json: lights[0].direction[1]: must be a number"));
     EXPECT_THAT(with("/lights/0/intensity", -1), StartsWith("script.json: lights[0].intensity: -1 is out of range"));
+    EXPECT_THAT(with("/lights/0/angular_radius_deg", 50), HasSubstr("0 to 45 degrees"));
     EXPECT_THAT(with("/lights/2/outer_cone_deg", 120), HasSubstr("0 to 90 degrees"));
     EXPECT_THAT(with("/lights/2/inner_cone_deg", 40), HasSubstr("must be below outer_cone_deg"));
     EXPECT_THAT(with("/lights/3/radius", 0), StartsWith("script.json: lights[3].radius: must be above 0"));

@@ -114,6 +114,15 @@ MaterialSample sampleMaterial(vec2 uv0, vec2 uv1, vec4 vertexColor) {
     return materialFromTexels(texels, vertexColor);
 }
 
+/// Share of light that goes straight through the sheet, or through the whole body
+/// where the triangle belongs to one. `scale`: world length of a unit of the mesh; `schlick`: weight of Schlick's Fresnel.
+vec3 materialTransmittance(MaterialSample s, float scale, float schlick) {
+    if (s.transmission <= 0.0) return vec3(0.0);
+    float f0 = max(s.f0Dielectric.r, max(s.f0Dielectric.g, s.f0Dielectric.b));
+    vec3 once = s.baseColor * (s.transmission * (1.0 - mix(f0, s.specularFactor, schlick)));
+    return (u_closed ? once * once : once) * exp(-b_material.absorption.rgb * (s.thickness * scale));
+}
+
 /// Threshold that the opacity of the drawn fragment is tested against. `random`: uniform in (0,1) over fragments; a
 /// blended surface stops that part of them which is its opacity. So does a masked one where its texture is minified:
 /// filtering makes its opacity the share of the texels that are there, and to cut that off would thin out foliage and

@@ -34,7 +34,8 @@ float nextDither() {
 uint dithered(float value) { return uint(clamp(value + nextDither(), 0.0, 4294967040.0)); }
 
 Surface surfaceOf(MaterialSample s) {
-    return Surface(s.baseColor * (1.0 - s.metallic), mix(s.f0Dielectric, s.baseColor, s.metallic),
+    float reflected = (1.0 - s.metallic) * (1.0 - s.transmission) * (1.0 - s.diffuseTransmission);
+    return Surface(s.baseColor * reflected, mix(s.f0Dielectric, s.baseColor, s.metallic),
                    mix(s.specularFactor, 1.0, s.metallic), clamp(s.roughness * s.roughness, kMinAlpha, 1.0));
 }
 
@@ -101,7 +102,7 @@ void main() {
     float determinant = twiceArea.z;
     // Scaled before it is squared: the squares of tiny triangles' areas are below the range of floats.
     vec3 planeNormal = twiceArea / abs(determinant);
-    vec3 frontNormal = f_mirror * unpermute(normalize(planeNormal), f_axis);
+    vec3 frontNormal = sign(f_mirror) * unpermute(normalize(planeNormal), f_axis);
     // Texture space that a voxel covers on the triangle.
     vec4 uvE1 = f_uv1 - f_uv0, uvE2 = f_uv2 - f_uv0;
     vec2 uvArea = abs(uvE1.xz * uvE2.yw - uvE1.yw * uvE2.xz);
@@ -141,8 +142,14 @@ void main() {
             opacity = opacity < materialAlphaCutoff() ? 0.0 : 1.0;
         // The fits of voxelAlbedo leave a trace of reflection even where there is none.
         vec3 albedo = materialUnlit() ? vec3(0.0) : voxelAlbedo(surfaceOf(material));
-        Surfel surfel = Surfel(albedo, normal, unpermute(middle - vec3(cell, z), f_axis),
-                               material.emission);
+        // Cones pass what transmits as they pass what is not there: the rest reflects and emits all that the whole does.
+        const float meanSchlickWeight = 1.0 / 21.0;
+        vec3 passing = materialTransmittance(material, abs(f_mirror), meanSchlickWeight) +
+                       material.diffuseTransmissionColor * (material.diffuseTransmission * (1.0 - material.transmission));
+        float stopped = max(1.0 - dot(passing, vec3(1.0 / 3.0)), 1.0 / 255.0);
+        opacity *= stopped;
+        Surfel surfel = Surfel(min(albedo / stopped, vec3(1.0)), normal, unpermute(middle - vec3(cell, z), f_axis),
+                               material.emission / stopped);
 
         atomicAdd(b_fragments, 1u);
         uvec3 v = uvec3(voxel) & 1023u;

@@ -406,6 +406,7 @@ void GpuScene::updateBatches() {
             batch.moving = moving;
             batch.alphaMode = material.alphaMode;
             batch.doubleSided = material.doubleSided;
+            batch.transmits = material.transmits();
             batch.emits = material.unlit || material.emits();
             batch.firstIndex = closed ? range.firstClosed : range.firstOpen;
             batch.indexCount = closed ? range.closedCount : range.openCount;
@@ -436,8 +437,8 @@ void GpuScene::uploadObjects() {
             for (int r = 0; r < 3; ++r) largest = std::max(largest, std::abs(normal[c][r]));
         }
         if (largest > 0) normal /= largest;  // keeps floats in range for any scale of the scene
-        data.push_back(
-            {glm::mat4(world), glm::mat4(glm::mat3(normal)), glm::vec4(determinant < 0 ? -1.0f : 1.0f, 0, 0, 0)});
+        data.push_back({glm::mat4(world), glm::mat4(glm::mat3(normal)),
+                        glm::vec4(determinant < 0 ? -1.0f : 1.0f, std::cbrt(std::abs(determinant)), 0, 0)});
     }
     const std::size_t bytes = data.size() * sizeof(GpuObject);
     requireStorage(bytes, "objects");
@@ -471,6 +472,10 @@ bool GpuScene::anyEmission() const {
 bool GpuScene::anyAlphaTest() const {
     return std::any_of(batches_.begin(), batches_.end(),
                        [](const Batch& batch) { return batch.alphaMode != AlphaMode::opaque; });
+}
+
+bool GpuScene::anyTransmission() const {
+    return std::any_of(batches_.begin(), batches_.end(), [](const Batch& batch) { return batch.transmits; });
 }
 
 bool GpuScene::anyMoving() const {

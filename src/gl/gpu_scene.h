@@ -25,6 +25,7 @@ struct Batch {
     AlphaMode alphaMode = AlphaMode::opaque;
     bool doubleSided = false;
     bool emits = false;                            ///< the material emits (emission or unlit)
+    bool transmits = false;                        ///< Material::transmits
     std::uint32_t firstIndex = 0, indexCount = 0;  ///< in the index buffer
     std::int32_t baseVertex = 0;
     std::uint32_t firstObject = 0, objectCount = 0;  ///< instances: consecutive objects
@@ -62,8 +63,9 @@ class GpuScene {
     bool empty() const { return batches_.empty(); }
     std::uint64_t triangleCount() const;  ///< over all instances
     bool anyEmission() const;
-    bool anyAlphaTest() const;  ///< a batch with AlphaMode mask or blend
-    bool anyMoving() const;     ///< a batch that moves
+    bool anyAlphaTest() const;     ///< a batch with AlphaMode mask or blend
+    bool anyTransmission() const;  ///< a batch that transmits
+    bool anyMoving() const;        ///< a batch that moves
 
     /// World boxes that moving objects have left and entered since the last call, or since the upload: two for each
     /// object whose matrix or vertices changed in any setTime() between, none for the others. The boxes hold the

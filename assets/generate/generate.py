@@ -104,11 +104,9 @@ def glass(_):
     for i in range(8):
         for k in range(8):
             x, z = -2 + .5 * i, -2 + .5 * k
-            squares[dark if (i + k) % 2 else white].append(
-                shapes.quad((x, 0, z + .5), (x + .5, 0, z + .5), (x + .5, 0, z), (x, 0, z)))
+            squares[dark if (i + k) % 2 else white].append(shapes.box((x, -.2, z), (x + .5, 0, z + .5)))
     w.node("floor", w.mesh("floor", [(mesh, material) for material, mesh in squares.items()]))
-    for name, low, high, material in (("base", (-2.2, -.35, -2.2), (2.2, -.15, 2.2), white),
-                                      ("ceiling", (-2.2, 3, -2.2), (2.2, 3.2, 2.2), white),
+    for name, low, high, material in (("ceiling", (-2.2, 3, -2.2), (2.2, 3.2, 2.2), white),
                                       ("back", (-2.2, -.25, -2.2), (2.2, 3.1, -2), white),
                                       ("left", (-2.2, -.2, -2.1), (-2, 3.1, 2.2), red),
                                       ("right", (2, -.2, -2.1), (2.2, 3.1, 2.2), blue)):

@@ -9,6 +9,7 @@ VOXELIZE_VARYINGS(in)
 #include "voxelize/sums.glsl"
 
 uniform uint u_firstRecord, u_recordCount;  // new records of this pass; more do not fit in a buffer at once
+uniform float u_sheetGain;  // times the coverage of a sheet that a cone crosses is what it stops, as far as that is below 1
 #if EMISSION
 uniform float u_emissionUnit;  // fixed-point steps for a radiance of 1
 #endif
@@ -147,7 +148,7 @@ void main() {
         vec3 passing = materialTransmittance(material, abs(f_mirror), meanSchlickWeight) +
                        material.diffuseTransmissionColor * (material.diffuseTransmission * (1.0 - material.transmission));
         float stopped = max(1.0 - dot(passing, vec3(1.0 / 3.0)), 1.0 / 255.0);
-        opacity *= stopped;
+        if (stopped < 1.0) opacity *= stopped / u_sheetGain;
         Surfel surfel = Surfel(min(albedo / stopped, vec3(1.0)), normal, unpermute(middle - vec3(cell, z), f_axis),
                                material.emission / stopped);
 

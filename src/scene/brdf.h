@@ -1,5 +1,5 @@
 // The glTF 2.0 metallic-roughness BRDF (appendix B) with KHR_materials_ior and KHR_materials_specular. Twin of
-// shaders/shared/brdf.glsl: same names, same arithmetic.
+// shaders/shared/brdf.glsl: same names, same arithmetic; but for Transmission, whose rays only the path tracer follows.
 #pragma once
 
 #include <algorithm>

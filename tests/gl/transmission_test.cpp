@@ -140,9 +140,15 @@ TEST_F(TransmissionTest, LightPassesOnToWhatLiesBehind) {
     EXPECT_NEAR(floorBelow(quad(4, 4), glass(0)).x, 0.5 * 0.96, 0.5 / 16);
     EXPECT_NEAR(floorBelow(quad(4, 4), half).x, 0.5 * 0.48, 0.5 / 16);
     EXPECT_NEAR(floorBelow(box({4, 0.5, 4}), half).x, 0.5 * 0.48 * 0.48, 0.5 / 16);
-    const double open = floorBelow(quad(0.01, 0.01), half).y;
-    EXPECT_GT(floorBelow(quad(4, 4), glass(0)).y, 0.8 * open);
-    EXPECT_GT(floorBelow(box({4, 0.5, 4}), glass(0, 0.5f)).y, 0.7 * open);
+    // A sheet that reflects nothing and fills F of the hemisphere (row C1) takes away the half of F.
+    Material beam = lambert(0.5f), leaf = lambert(0.0f);
+    beam.transmission = 1;
+    leaf.diffuseTransmission = 0.5f;
+    const double factor = 0.554126, open = floorBelow(quad(0.01, 0.01), beam).y;
+    EXPECT_NEAR(floorBelow(quad(4, 4), lambert(0.0f)).y / open, 1 - factor, 0.04);
+    EXPECT_NEAR(floorBelow(quad(4, 4), beam).y / open, 1 - 0.5 * factor, 0.04);
+    EXPECT_NEAR(floorBelow(quad(4, 4), leaf).y / open, 1 - 0.5 * factor, 0.04);
+    EXPECT_NEAR(floorBelow(box({4, 0.1, 4}), beam).y / open, 1 - 0.75 * factor, 0.04) << "two walls";
 }
 
 }  // namespace

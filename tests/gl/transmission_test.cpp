@@ -126,29 +126,29 @@ TEST_F(TransmissionTest, LightPassesOnToWhatLiesBehind) {
     const auto floorBelow = [&](const Mesh& mesh, const Material& material) {
         // Seen from between the two.
         const Scene scene = SceneBuilder()
-                                .add(quad(4, 4), lambert(0.5f))
+                                .add(quad(16, 16), lambert(0.5f))
                                 .add(mesh, material, translation({0, 2, 0}))
                                 .light(sun)
                                 .sky(glm::vec3(1))
                                 .build();
         Picture picture(scene, camera({0, 1, 0}, {0, 0, 0}, 30, {0, 0, -1}));
-        return glm::dvec2(picture.mean("direct").x, picture.mean("indirect_diffuse").x);
+        // The screen door repeats after four texels: over the whole picture it is averaged.
+        return glm::dvec2(mean(picture.renderer.channel("direct"), 0, 1).x, picture.mean("indirect_diffuse").x);
     };
     Material half = glass(0);
     half.baseColor = {0.5f, 0.5f, 0.5f, 1};
     // The screen door has sixteen steps.
-    EXPECT_NEAR(floorBelow(quad(4, 4), glass(0)).x, 0.5 * 0.96, 0.5 / 16);
-    EXPECT_NEAR(floorBelow(quad(4, 4), half).x, 0.5 * 0.48, 0.5 / 16);
-    EXPECT_NEAR(floorBelow(box({4, 0.5, 4}), half).x, 0.5 * 0.48 * 0.48, 0.5 / 16);
+    EXPECT_NEAR(floorBelow(quad(16, 16), glass(0)).x, 0.5 * 0.96, 0.5 / 16);
+    EXPECT_NEAR(floorBelow(quad(16, 16), half).x, 0.5 * 0.48, 0.5 / 16);
+    EXPECT_NEAR(floorBelow(box({16, 0.5, 16}), half).x, 0.5 * 0.48 * 0.48, 0.5 / 16);
     // A sheet that reflects nothing and fills F of the hemisphere (row C1) takes away the half of F.
     Material beam = lambert(0.5f), leaf = lambert(0.0f);
     beam.transmission = 1;
     leaf.diffuseTransmission = 0.5f;
-    const double factor = 0.554126, open = floorBelow(quad(0.01, 0.01), beam).y;
-    EXPECT_NEAR(floorBelow(quad(4, 4), lambert(0.0f)).y / open, 1 - factor, 0.04);
-    EXPECT_NEAR(floorBelow(quad(4, 4), beam).y / open, 1 - 0.5 * factor, 0.04);
-    EXPECT_NEAR(floorBelow(quad(4, 4), leaf).y / open, 1 - 0.5 * factor, 0.04);
-    EXPECT_NEAR(floorBelow(box({4, 0.1, 4}), beam).y / open, 1 - 0.75 * factor, 0.04) << "two walls";
+    const double factor = 0.951424, open = floorBelow(quad(0.01, 0.01), beam).y;
+    EXPECT_NEAR(floorBelow(quad(16, 16), beam).y / open, 1 - 0.5 * factor, 0.04);
+    EXPECT_NEAR(floorBelow(quad(16, 16), leaf).y / open, 1 - 0.5 * factor, 0.04);
+    EXPECT_NEAR(floorBelow(box({16, 0.1, 16}), beam).y / open, 1 - 0.75 * factor, 0.04) << "two walls";
 }
 
 }  // namespace

@@ -88,6 +88,39 @@ def leak(options):
     return w
 
 
+def glass(_):
+    """Light through matter, in a small room with a chequered floor that is open to the front: a clear ball, a tinted slab, a
+    frosted pane, and a leaf that scatters light to its other side."""
+    w = Writer(glass.__doc__)
+    white, red, blue = (w.material(name, color, lambert=True) for name, color in
+                        (("white", (.7, .7, .7)), ("red", (.6, .08, .06)), ("blue", (.08, .15, .6))))
+    dark = w.material("dark", (.1, .1, .1), lambert=True)
+    clear = w.material("clear", (1, 1, 1), roughness=0.0, transmission=1.0, volume=(1.0, 1.0, (1, 1, 1)))
+    green = w.material("green", (1, 1, 1), roughness=0.0, transmission=1.0, volume=(.2, .3, (.2, .8, .4)))
+    frosted = w.material("frosted", (.95, .8, .6), roughness=.35, transmission=.9, double_sided=True)
+    leaf = w.material("leaf", (.25, .5, .1), lambert=True, double_sided=True, diffuse_transmission=(.5, (.5, .8, .1)))
+
+    squares = {white: Mesh(), dark: Mesh()}
+    for i in range(8):
+        for k in range(8):
+            x, z = -2 + .5 * i, -2 + .5 * k
+            squares[dark if (i + k) % 2 else white].append(shapes.box((x, -.2, z), (x + .5, 0, z + .5)))
+    w.node("floor", w.mesh("floor", [(mesh, material) for material, mesh in squares.items()]))
+    for name, low, high, material in (("ceiling", (-2.2, 3, -2.2), (2.2, 3.2, 2.2), white),
+                                      ("back", (-2.2, -.25, -2.2), (2.2, 3.1, -2), white),
+                                      ("left", (-2.2, -.2, -2.1), (-2, 3.1, 2.2), red),
+                                      ("right", (2, -.2, -2.1), (2.2, 3.1, 2.2), blue)):
+        w.node(name, w.mesh(name, [(shapes.box(low, high), material)]))
+    w.node("ball", w.mesh("ball", [(shapes.sphere(.5, 64, 32), clear)]), translation=(-.6, .55, .6))
+    w.node("slab", w.mesh("slab", [(shapes.box((-.5, 0, -.1), (.5, 1, .1)), green)]), translation=(.8, .05, .4),
+           rotation=about_y(25))
+    w.node("pane", w.mesh("pane", [(shapes.quad((-.6, 0, 0), (.6, 0, 0), (.6, 1.2, 0), (-.6, 1.2, 0)), frosted)]),
+           translation=(-.9, .05, -1), rotation=about_y(-20))
+    w.node("leaf", w.mesh("leaf", [(shapes.quad((-.5, 0, -.4), (-.5, 0, .4), (.5, 0, .4), (.5, 0, -.4)), leaf)]),
+           translation=(.9, 1.7, -.7), rotation=(math.sin(.2), 0, 0, math.cos(.2)))
+    return w
+
+
 def hills(_):
     """Gentle hills, 48 m wide: their indirect light varies smoothly, so that steps between levels of voxels show."""
     w = Writer(hills.__doc__)
@@ -304,7 +337,7 @@ def rgbe(width, height, radiance):
 
 
 def main():
-    makers = {f.__name__: f for f in (cornell, basic, furnace, leak, atrium, hills, spheres)}
+    makers = {f.__name__: f for f in (cornell, basic, furnace, leak, atrium, hills, spheres, glass)}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenes", nargs="*", help=f"some of {', '.join(makers)}; default all")
     parser.add_argument("--out", type=Path, default=SCENES, help="folder to write to")

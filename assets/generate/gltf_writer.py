@@ -51,15 +51,31 @@ class Writer:
         self.stored = {}  # id of a Mesh: it, and its accessors, written once
         self.files = {}  # name: bytes of what is written beside the scene
 
-    def material(self, name, color, roughness=1.0, metallic=0.0, emission=None, lambert=False, double_sided=False):
-        """`color` is linear reflectance; `lambert` switches the specular lobe off (KHR_materials_specular, factor 0)."""
+    def material(self, name, color, roughness=1.0, metallic=0.0, emission=None, lambert=False, double_sided=False,
+                 transmission=None, volume=None, diffuse_transmission=None):
+        """`color` is linear reflectance; `lambert` switches the specular lobe off (KHR_materials_specular, factor 0).
+        `transmission` is a factor, `volume` (thickness, attenuation distance, attenuation colour), `diffuse_transmission`
+        (factor, colour)."""
         m = {"name": name, "pbrMetallicRoughness": {
             "baseColorFactor": [*color, 1.0], "metallicFactor": metallic, "roughnessFactor": roughness}}
         if emission is not None:
             m["emissiveFactor"] = list(emission)
+        extensions = {}
         if lambert:
-            m["extensions"] = {"KHR_materials_specular": {"specularFactor": 0.0}}
-            self.extensions.add("KHR_materials_specular")
+            extensions["KHR_materials_specular"] = {"specularFactor": 0.0}
+        if transmission is not None:
+            extensions["KHR_materials_transmission"] = {"transmissionFactor": transmission}
+        if volume is not None:
+            thickness, distance, tint = volume
+            extensions["KHR_materials_volume"] = {
+                "thicknessFactor": thickness, "attenuationDistance": distance, "attenuationColor": list(tint)}
+        if diffuse_transmission is not None:
+            factor, tint = diffuse_transmission
+            extensions["KHR_materials_diffuse_transmission"] = {
+                "diffuseTransmissionFactor": factor, "diffuseTransmissionColorFactor": list(tint)}
+        if extensions:
+            m["extensions"] = extensions
+            self.extensions.update(extensions)
         if double_sided:
             m["doubleSided"] = True
         self.json["materials"].append(m)

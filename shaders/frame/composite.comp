@@ -7,6 +7,7 @@ layout(rgba32f, binding = 0) uniform writeonly image2D u_output;
 uniform sampler2D u_layer0;
 uniform sampler2D u_layer1;
 uniform sampler2D u_layer2;
+uniform sampler2D u_layer3;
 uniform int u_layers;
 uniform float u_exposureScale;  // 2^exposure
 
@@ -20,6 +21,7 @@ void main() {
         if (u_layers > 0) radiance += texelFetch(u_layer0, pixel, 0).rgb;
         if (u_layers > 1) radiance += texelFetch(u_layer1, pixel, 0).rgb;
         if (u_layers > 2) radiance += texelFetch(u_layer2, pixel, 0).rgb;
+        if (u_layers > 3) radiance += texelFetch(u_layer3, pixel, 0).rgb;
     } else {
         radiance = skyRadiance(-s.toEye, 0.0);
     }

@@ -3,6 +3,7 @@
 // behind its own triangle gives way to the triangle's.
 #include "shared/material.glsl"
 #include "shared/octahedral.glsl"
+#include "shared/rgb9e5.glsl"
 
 in vec3 v_fromEye;
 in vec3 v_normal;
@@ -10,12 +11,19 @@ in vec4 v_tangent;
 in vec4 v_texCoord;
 in vec4 v_color;
 flat in uint v_object;
+flat in float v_scale;
 
 layout(location = 0) out uvec4 o_surface;   // shading normal, geometric normal, metallic and roughness, distance along the view
 layout(location = 1) out vec4 o_baseColor;  // rgb base colour, a F90 of the dielectric
 layout(location = 2) out vec4 o_specular;   // rgb F0 of the dielectric, a 0 for unlit materials, else 1
 #ifdef GBUFFER_EMISSION
 layout(location = 3) out vec4 o_emission;   // radiance W/(m² sr)
+#endif
+#ifdef GBUFFER_TRANSMISSION
+// Transmitted share and whether the triangle is of a closed body; index of refraction and whether that is a solid;
+// thickness in metres (of a solid a length for scale); absorption over the thickness.
+layout(location = GBUFFER_TRANSMISSION) out uvec4 o_transmission;
+layout(location = GBUFFER_SCATTERED) out vec4 o_scattered;  // colour and share of diffuse transmission
 #endif
 
 #ifdef ALPHA_TEST
@@ -71,6 +79,14 @@ void main() {
     // What an unlit surface shows is its base colour.
     o_baseColor = vec4(unlit ? material.emission : material.baseColor, material.specularFactor);
     o_specular = vec4(material.f0Dielectric, unlit ? 0.0 : 1.0);
+#ifdef GBUFFER_TRANSMISSION
+    bool solid = u_closed && b_material.transmission.y > 0.0;
+    float thickness = v_scale * (solid ? b_material.transmission.y : material.thickness);
+    o_transmission = uvec4(packUnorm2x16(vec2(material.transmission, u_closed ? 1.0 : 0.0)),
+                           packHalf2x16(vec2(b_material.transmission.z, solid ? 1.0 : 0.0)), floatBitsToUint(thickness),
+                           packRgb9e5(b_material.absorption.rgb * thickness));
+    o_scattered = vec4(material.diffuseTransmissionColor, material.diffuseTransmission);
+#endif
 #ifdef GBUFFER_EMISSION
     o_emission = vec4(material.emission, 0.0);
 #endif

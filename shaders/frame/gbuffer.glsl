@@ -1,12 +1,17 @@
 // Reads the G-buffer (src/frame/gbuffer.h). GBuffer::bind sets all uniforms. Positions are relative to the scene's origin.
 #include "shared/brdf.glsl"
 #include "shared/octahedral.glsl"
+#include "shared/rgb9e5.glsl"
 
 uniform usampler2D u_gbufferSurface;
 uniform sampler2D u_gbufferBaseColor;
 uniform sampler2D u_gbufferSpecular;
 #ifdef GBUFFER_EMISSION
 uniform sampler2D u_gbufferEmission;
+#endif
+#ifdef GBUFFER_TRANSMISSION
+uniform usampler2D u_gbufferTransmission;
+uniform sampler2D u_gbufferScattered;
 #endif
 uniform vec3 u_cameraPosition;
 uniform mat3 u_cameraRays;  // times (x, y, 1) of a place in the window in pixels: ray of length 1 along the view
@@ -23,6 +28,13 @@ struct GBufferSample {
     float roughness;
     vec3 emission;         // radiance W/(m² sr)
     Surface surface;       // reflects nothing for unlit materials
+    vec3 beam;             // share of the light that enters the surface and goes on as a beam
+    vec3 scattered;        // share that leaves on the other side as from a Lambert surface
+    bool closed;           // of what transmits: the triangle bounds a closed body, …
+    bool solid;            // … which is filled with a medium, …
+    float ior;             // … of this index of refraction
+    float thickness;       // metres; of a solid no more than a scale
+    vec3 opticalDepth;     // absorption over `thickness`
 };
 
 ivec2 gbufferSize() { return textureSize(u_gbufferSurface, 0); }
@@ -66,6 +78,23 @@ GBufferSample loadGBuffer(ivec2 pixel) {
     s.surface.f0 = mix(specular.rgb, s.baseColor, s.metallic) * specular.a;
     s.surface.f90 = mix(baseColor.a, 1.0, s.metallic) * specular.a;
     s.surface.alpha = clamp(s.roughness * s.roughness, kMinAlpha, 1.0);
+    s.beam = s.scattered = s.opticalDepth = vec3(0.0);
+    s.closed = s.solid = false;
+    s.ior = 1.0, s.thickness = 0.0;
+#ifdef GBUFFER_TRANSMISSION
+    uvec4 transmission = texelFetch(u_gbufferTransmission, pixel, 0);
+    vec4 scattered = texelFetch(u_gbufferScattered, pixel, 0);
+    vec2 shareAndClosed = unpackUnorm2x16(transmission.x), iorAndSolid = unpackHalf2x16(transmission.y);
+    s.closed = shareAndClosed.y > 0.5;
+    s.solid = iorAndSolid.y > 0.5;
+    s.ior = max(iorAndSolid.x, 1.0);
+    s.thickness = uintBitsToFloat(transmission.z);
+    s.opticalDepth = unpackRgb9e5(transmission.w);
+    s.beam = s.baseColor * shareAndClosed.x;
+    if (!s.solid) s.beam *= exp(-s.opticalDepth);
+    s.scattered = scattered.rgb * (scattered.a * (1.0 - shareAndClosed.x));
+    s.surface.diffuseColor *= (1.0 - shareAndClosed.x) * (1.0 - scattered.a);
+#endif
     s.normal = visibleShadingNormal(unpackOctahedral(words.x), s.geometricNormal, s.toEye, s.surface);
 #ifdef GBUFFER_EMISSION
     s.emission = texelFetch(u_gbufferEmission, pixel, 0).rgb;

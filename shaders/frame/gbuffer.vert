@@ -11,6 +11,7 @@ out vec4 v_tangent;
 out vec4 v_texCoord;  // sets 0 and 1
 out vec4 v_color;
 flat out uint v_object;
+flat out float v_scale;
 
 out float gl_ClipDistance[2];
 
@@ -22,6 +23,7 @@ void main() {
     v_texCoord = vec4(a_texCoord0, a_texCoord1);
     v_color = a_color;
     v_object = a_objectIndex;
+    v_scale = objectScale();
     gl_Position = u_clipFromWorld * vec4(position, 1.0);
     // Clip w is the distance along the view.
     gl_ClipDistance[0] = gl_Position.w - u_clipRange.x;

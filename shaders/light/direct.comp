@@ -12,6 +12,12 @@ void main() {
     vec3 diffuse = vec3(0.0), specular = vec3(0.0);
     if (s.hit) {
         directLight(s.surface, s.position, s.geometricNormal, s.normal, s.toEye, diffuse, specular);
+#ifdef GBUFFER_TRANSMISSION
+        if (maxComponent(s.scattered) > 0.0) {
+            diffuse += s.scattered * diffuseTransmission(s.surface, max(dot(s.normal, s.toEye), 0.0)) * kInvPi *
+                       directIrradiance(s.position, -s.geometricNormal, 0.0);
+        }
+#endif
     }
     imageStore(u_direct, pixel, vec4(diffuse + specular, 1.0));
 }

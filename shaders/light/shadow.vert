@@ -7,7 +7,9 @@ uniform int u_view;
 #if ALPHA_TEST
 out Vertex {
     vec2 uv0, uv1;
-    float alpha;
+    vec4 color;
+    vec3 normal, fromLight;
+    float scale;
 } v;
 #endif
 
@@ -22,6 +24,9 @@ void main() {
 #if ALPHA_TEST
     v.uv0 = a_texCoord0;
     v.uv1 = a_texCoord1;
-    v.alpha = a_color.a;
+    v.color = a_color;
+    v.normal = objectWorldNormal();
+    v.fromLight = view.perspective > 0.0 ? offset : view.forward;
+    v.scale = objectScale();
 #endif
 }

@@ -7,8 +7,11 @@ struct Material {
     vec4 emission;               // rgb radiance W/(m² sr); w: 1 for unlit
     vec4 metallicRoughness;      // metallic, roughness, normal scale, alpha cutoff
     vec4 specular;               // rgb: F0 of the dielectric at full specular factor; w: specular factor (F90)
-    vec4 uvTransform[8];         // two per slot (base colour, metallic-roughness, normal, emission): rows (a, b, offset, -)
-    ivec4 texCoord;              // UV set of each slot
+    vec4 transmission;           // factor, thickness (metres in the mesh's space), index of refraction (at least 1), -
+    vec4 absorption;             // rgb 1/m
+    vec4 diffuseTransmission;    // rgb colour, w factor
+    vec4 uvTransform[2 * MATERIAL_UNITS];  // two per slot, in the order of their units: rows (a, b, offset, -)
+    ivec4 texCoord[MATERIAL_UNITS / 4];    // UV set of each slot
     ivec4 flags;                 // x: alpha mode (0 opaque, 1 mask, 2 blend), y: 1 double sided, 2 leaves, z: 1 unlit, 2 emission extracted, w: textures as bits
 };
 // A uniform block, not storage: pixels beside a triangle's edge, which give its derivatives, need not see storage (on
@@ -19,6 +22,10 @@ layout(binding = BASE_COLOR_UNIT) uniform sampler2D u_baseColorTexture;         
 layout(binding = METALLIC_ROUGHNESS_UNIT) uniform sampler2D u_metallicRoughnessTexture;  // G roughness, B metallic
 layout(binding = NORMAL_UNIT) uniform sampler2D u_normalTexture;
 layout(binding = EMISSION_UNIT) uniform sampler2D u_emissionTexture;                     // decoded from sRGB
+layout(binding = TRANSMISSION_UNIT) uniform sampler2D u_transmissionTexture;             // R
+layout(binding = THICKNESS_UNIT) uniform sampler2D u_thicknessTexture;                   // G
+layout(binding = DIFFUSE_TRANSMISSION_UNIT) uniform sampler2D u_diffuseTransmissionTexture;             // A
+layout(binding = DIFFUSE_TRANSMISSION_COLOR_UNIT) uniform sampler2D u_diffuseTransmissionColorTexture;  // decoded from sRGB
 
 uniform bool u_closed;   // the batch's triangles bound a watertight body
 
@@ -35,6 +42,10 @@ struct MaterialSample {
     vec3 normalTS;        // tangent space, unit; (0,0,1) without a normal map
     vec3 f0Dielectric;    // KHR_materials_ior and _specular: reflectance of the dielectric at normal incidence
     float specularFactor; // F90 of the dielectric
+    float transmission;   // share of the light that enters which passes through, tinted by the base colour
+    float thickness;      // metres in the mesh's space; 0 = thin sheet
+    float diffuseTransmission;      // share of what is left that is scattered to the other side, …
+    vec3 diffuseTransmissionColor;  // … tinted by this
 };
 
 bool materialHas(int slot) { return (b_material.flags.w & (1 << slot)) != 0; }
@@ -45,14 +56,18 @@ bool materialExtracted() { return b_material.flags.z == 2; }  // analytic lights
 int materialAlphaMode() { return b_material.flags.x; }
 float materialAlphaCutoff() { return b_material.metallicRoughness.w; }
 
+int materialTexCoord(int slot) { return b_material.texCoord[slot / 4][slot % 4]; }
+
 vec2 materialUv(int slot, vec2 uv0, vec2 uv1) {
-    vec3 uv = vec3(b_material.texCoord[slot] == 0 ? uv0 : uv1, 1.0);
+    vec3 uv = vec3(materialTexCoord(slot) == 0 ? uv0 : uv1, 1.0);
     return vec2(dot(b_material.uvTransform[2 * slot].xyz, uv),
                 dot(b_material.uvTransform[2 * slot + 1].xyz, uv));
 }
 
-// The material from its texels; texels of absent textures are not looked at.
-MaterialSample materialFromTexels(vec4 baseColor, vec4 metallicRoughness, vec4 normal, vec4 emission, vec4 vertexColor) {
+// The material from its texels, in the order of their units; those of absent textures must be white (normal: flat).
+MaterialSample materialFromTexels(vec4 texels[MATERIAL_UNITS], vec4 vertexColor) {
+    vec4 baseColor = texels[BASE_COLOR_UNIT], metallicRoughness = texels[METALLIC_ROUGHNESS_UNIT];
+    vec4 normal = texels[NORMAL_UNIT], emission = texels[EMISSION_UNIT];
     Material m = b_material;
     MaterialSample s;
     vec4 color = m.baseColor * vertexColor;
@@ -76,21 +91,38 @@ MaterialSample materialFromTexels(vec4 baseColor, vec4 metallicRoughness, vec4 n
     s.baseColor = unlit ? vec3(0.0) : color.rgb;
     s.f0Dielectric = unlit ? vec3(0.0) : m.specular.rgb;
     s.specularFactor = unlit ? 0.0 : m.specular.w;
+    float dielectric = 1.0 - s.metallic;
+    s.transmission = m.transmission.x * texels[TRANSMISSION_UNIT].r * dielectric;
+    s.thickness = m.transmission.y * texels[THICKNESS_UNIT].g;
+    s.diffuseTransmission = m.diffuseTransmission.w * texels[DIFFUSE_TRANSMISSION_UNIT].a * dielectric;
+    s.diffuseTransmissionColor = m.diffuseTransmission.rgb * texels[DIFFUSE_TRANSMISSION_COLOR_UNIT].rgb;
     return s;
 }
 
 // With the derivatives of the draw: call in uniform control flow.
 MaterialSample sampleMaterial(vec2 uv0, vec2 uv1, vec4 vertexColor) {
-    vec4 baseColor = vec4(1.0), metallicRoughness = vec4(1.0), normal = vec4(0.5, 0.5, 1.0, 1.0), emission = vec4(1.0);
-    if (materialHas(BASE_COLOR_UNIT)) {
-        baseColor = texture(u_baseColorTexture, materialUv(BASE_COLOR_UNIT, uv0, uv1));
-    }
-    if (materialHas(METALLIC_ROUGHNESS_UNIT)) {
-        metallicRoughness = texture(u_metallicRoughnessTexture, materialUv(METALLIC_ROUGHNESS_UNIT, uv0, uv1));
-    }
-    if (materialHas(NORMAL_UNIT)) normal = texture(u_normalTexture, materialUv(NORMAL_UNIT, uv0, uv1));
-    if (materialHas(EMISSION_UNIT)) emission = texture(u_emissionTexture, materialUv(EMISSION_UNIT, uv0, uv1));
-    return materialFromTexels(baseColor, metallicRoughness, normal, emission, vertexColor);
+    vec4 texels[MATERIAL_UNITS];
+    for (int slot = 0; slot < MATERIAL_UNITS; ++slot) texels[slot] = slot == NORMAL_UNIT ? vec4(0.5, 0.5, 1.0, 1.0) : vec4(1.0);
+#define SAMPLE(slot, tex) if (materialHas(slot)) texels[slot] = texture(tex, materialUv(slot, uv0, uv1));
+    SAMPLE(BASE_COLOR_UNIT, u_baseColorTexture)
+    SAMPLE(METALLIC_ROUGHNESS_UNIT, u_metallicRoughnessTexture)
+    SAMPLE(NORMAL_UNIT, u_normalTexture)
+    SAMPLE(EMISSION_UNIT, u_emissionTexture)
+    SAMPLE(TRANSMISSION_UNIT, u_transmissionTexture)
+    SAMPLE(THICKNESS_UNIT, u_thicknessTexture)
+    SAMPLE(DIFFUSE_TRANSMISSION_UNIT, u_diffuseTransmissionTexture)
+    SAMPLE(DIFFUSE_TRANSMISSION_COLOR_UNIT, u_diffuseTransmissionColorTexture)
+#undef SAMPLE
+    return materialFromTexels(texels, vertexColor);
+}
+
+/// Share of light that goes straight through the sheet, or through the whole body
+/// where the triangle belongs to one. `scale`: world length of a unit of the mesh; `schlick`: weight of Schlick's Fresnel.
+vec3 materialTransmittance(MaterialSample s, float scale, float schlick) {
+    if (s.transmission <= 0.0) return vec3(0.0);
+    float f0 = max(s.f0Dielectric.r, max(s.f0Dielectric.g, s.f0Dielectric.b));
+    vec3 once = s.baseColor * (s.transmission * (1.0 - mix(f0, s.specularFactor, schlick)));
+    return (u_closed ? once * once : once) * exp(-b_material.absorption.rgb * (s.thickness * scale));
 }
 
 /// Threshold that the opacity of the drawn fragment is tested against. `random`: uniform in (0,1) over fragments; a
@@ -108,10 +140,11 @@ float materialAlphaThreshold(vec2 uv0, vec2 uv1, float random) {
 // that a voxel (or any footprint) covers on the surface; the mip whose texels are that large is taken. For voxelization,
 // where the derivatives of the draw mean nothing.
 MaterialSample sampleMaterialFootprint(vec2 uv0, vec2 uv1, vec4 vertexColor, float uvPerSample0, float uvPerSample1) {
-    vec4 texels[4] = vec4[4](vec4(1.0), vec4(1.0), vec4(0.5, 0.5, 1.0, 1.0), vec4(1.0));
+    vec4 texels[MATERIAL_UNITS];
+    for (int slot = 0; slot < MATERIAL_UNITS; ++slot) texels[slot] = slot == NORMAL_UNIT ? vec4(0.5, 0.5, 1.0, 1.0) : vec4(1.0);
 #define SAMPLE_FOOTPRINT(slot, tex)                                                                          \
     if (materialHas(slot)) {                                                                                 \
-        float perSample = b_material.texCoord[slot] == 0 ? uvPerSample0 : uvPerSample1;         \
+        float perSample = materialTexCoord(slot) == 0 ? uvPerSample0 : uvPerSample1;                         \
         vec3 row0 = b_material.uvTransform[2 * slot].xyz;                                       \
         vec3 row1 = b_material.uvTransform[2 * slot + 1].xyz;                                   \
         float scale = sqrt(abs(row0.x * row1.y - row0.y * row1.x));                                          \
@@ -123,6 +156,10 @@ MaterialSample sampleMaterialFootprint(vec2 uv0, vec2 uv1, vec4 vertexColor, flo
     SAMPLE_FOOTPRINT(METALLIC_ROUGHNESS_UNIT, u_metallicRoughnessTexture)
     SAMPLE_FOOTPRINT(NORMAL_UNIT, u_normalTexture)
     SAMPLE_FOOTPRINT(EMISSION_UNIT, u_emissionTexture)
+    SAMPLE_FOOTPRINT(TRANSMISSION_UNIT, u_transmissionTexture)
+    SAMPLE_FOOTPRINT(THICKNESS_UNIT, u_thicknessTexture)
+    SAMPLE_FOOTPRINT(DIFFUSE_TRANSMISSION_UNIT, u_diffuseTransmissionTexture)
+    SAMPLE_FOOTPRINT(DIFFUSE_TRANSMISSION_COLOR_UNIT, u_diffuseTransmissionColorTexture)
 #undef SAMPLE_FOOTPRINT
-    return materialFromTexels(texels[0], texels[1], texels[2], texels[3], vertexColor);
+    return materialFromTexels(texels, vertexColor);
 }

@@ -13,7 +13,7 @@ layout(location = OBJECT_INDEX_LOCATION) in uint a_objectIndex;
 struct Object {
     mat4 worldFromObject;
     mat4 normalFromObject;  // inverse transpose in the upper 3×3
-    vec4 mirror;            // x: -1 for a transform that mirrors, else 1
+    vec4 mirror;            // x: -1 for a transform that mirrors, else 1; y: mean length in the world of a unit
 };
 layout(std430, binding = OBJECT_STORAGE) readonly buffer Objects { Object b_objects[]; };
 
@@ -35,3 +35,5 @@ vec4 objectWorldTangent() {
 
 // -1 where the transform mirrors, which swaps front and back faces in the window, else 1.
 float objectMirror() { return b_objects[a_objectIndex].mirror.x; }
+// Mean length in the world of a unit of the mesh.
+float objectScale() { return b_objects[a_objectIndex].mirror.y; }

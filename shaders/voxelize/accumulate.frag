@@ -9,6 +9,7 @@ VOXELIZE_VARYINGS(in)
 #include "voxelize/sums.glsl"
 
 uniform uint u_firstRecord, u_recordCount;  // new records of this pass; more do not fit in a buffer at once
+uniform float u_sheetGain;  // times the coverage of a sheet that a cone crosses is what it stops, as far as that is below 1
 #if EMISSION
 uniform float u_emissionUnit;  // fixed-point steps for a radiance of 1
 #endif
@@ -34,7 +35,8 @@ float nextDither() {
 uint dithered(float value) { return uint(clamp(value + nextDither(), 0.0, 4294967040.0)); }
 
 Surface surfaceOf(MaterialSample s) {
-    return Surface(s.baseColor * (1.0 - s.metallic), mix(s.f0Dielectric, s.baseColor, s.metallic),
+    float reflected = (1.0 - s.metallic) * (1.0 - s.transmission) * (1.0 - s.diffuseTransmission);
+    return Surface(s.baseColor * reflected, mix(s.f0Dielectric, s.baseColor, s.metallic),
                    mix(s.specularFactor, 1.0, s.metallic), clamp(s.roughness * s.roughness, kMinAlpha, 1.0));
 }
 
@@ -120,7 +122,7 @@ void main() {
     float determinant = twiceArea.z;
     // Scaled before it is squared: the squares of tiny triangles' areas are below the range of floats.
     vec3 planeNormal = twiceArea / abs(determinant);
-    vec3 frontNormal = f_mirror * unpermute(normalize(planeNormal), f_axis);
+    vec3 frontNormal = sign(f_mirror) * unpermute(normalize(planeNormal), f_axis);
     // Texture space that a voxel covers on the triangle.
     vec4 uvE1 = f_uv1 - f_uv0, uvE2 = f_uv2 - f_uv0;
     vec2 uvArea = abs(uvE1.xz * uvE2.yw - uvE1.yw * uvE2.xz);
@@ -160,8 +162,19 @@ void main() {
             opacity = opacity < materialAlphaCutoff() ? 0.0 : 1.0;
         // The fits of voxelAlbedo leave a trace of reflection even where there is none.
         vec3 albedo = materialUnlit() ? vec3(0.0) : voxelAlbedo(surfaceOf(material));
-        Surfel surfel = Surfel(albedo, normal, unpermute(middle - vec3(cell, z), f_axis),
-                               materialExtracted() ? vec3(0.0) : material.emission, opacity);
+        // Cones pass what transmits as they pass what is not there: the rest reflects and emits all that the whole does.
+        const float meanSchlickWeight = 1.0 / 21.0;
+        vec3 passing = materialTransmittance(material, abs(f_mirror), meanSchlickWeight) +
+                       material.diffuseTransmissionColor * (material.diffuseTransmission * (1.0 - material.transmission));
+        float stopped = max(1.0 - dot(passing, vec3(1.0 / 3.0)), 1.0 / 255.0);
+#if LEAVES
+        float gain = materialLeaves() ? 1.0 : u_sheetGain;
+#else
+        float gain = u_sheetGain;
+#endif
+        if (stopped < 1.0) opacity *= stopped / gain;
+        Surfel surfel = Surfel(min(albedo / stopped, vec3(1.0)), normal, unpermute(middle - vec3(cell, z), f_axis),
+                               materialExtracted() ? vec3(0.0) : material.emission / stopped, opacity);
 
         atomicAdd(b_fragments, 1u);
         uvec3 v = uvec3(voxel) & 1023u;

@@ -9,7 +9,7 @@ out Vertex {
     vec3 normal;
     vec4 uv;
     vec4 color;
-    flat float mirror;  // -1 when the object's transform mirrors: the winding of its front flips
+    flat float mirror;  // the object's scale, negative when its transform mirrors: the winding of its front flips
 } v;
 
 void main() {
@@ -17,5 +17,5 @@ void main() {
     v.normal = objectWorldNormal();
     v.uv = vec4(a_texCoord0, a_texCoord1);
     v.color = a_color;
-    v.mirror = objectMirror();
+    v.mirror = objectMirror() * objectScale();
 }

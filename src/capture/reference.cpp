@@ -24,6 +24,7 @@ const Image* referenceChannel(const ReferenceImages& images, const std::string& 
                                                      {"direct", &images.direct},
                                                      {"indirect_diffuse", &images.indirectDiffuse},
                                                      {"indirect_specular", &images.indirectSpecular},
+                                                     {"transmission", &images.transmission},
                                                      {"emission", &images.emission},
                                                      {"albedo", &images.albedo},
                                                      {"normal", &images.normal},

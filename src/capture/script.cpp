@@ -302,12 +302,24 @@ CaptureScript scriptForScene(const fs::path& file) {
 }  // namespace
 
 const std::vector<std::string>& channelNames() {
-    static const std::vector<std::string> names = {
-        "beauty",       "direct",       "indirect_diffuse", "indirect_specular",
-        "ao",           "soft_shadow",  "emission",         "albedo",
-        "normal",       "depth",        "position",         "cascade",
-        "seam",         "voxel_albedo", "voxel_normal",     "voxel_radiance",
-        "voxel_opacity"};
+    static const std::vector<std::string> names = {"beauty",
+                                                   "direct",
+                                                   "indirect_diffuse",
+                                                   "indirect_specular",
+                                                   "transmission",
+                                                   "ao",
+                                                   "soft_shadow",
+                                                   "emission",
+                                                   "albedo",
+                                                   "normal",
+                                                   "depth",
+                                                   "position",
+                                                   "cascade",
+                                                   "seam",
+                                                   "voxel_albedo",
+                                                   "voxel_normal",
+                                                   "voxel_radiance",
+                                                   "voxel_opacity"};
     return names;
 }
 

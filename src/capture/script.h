@@ -11,8 +11,8 @@
 namespace voxcone {
 
 /// Names of the picture channels in the order of the documentation: beauty, direct, indirect_diffuse,
-/// indirect_specular, ao, soft_shadow, emission, albedo, normal, depth, position, cascade, seam, and voxel views. The
-/// last may be followed by a level: "voxel_albedo:2".
+/// indirect_specular, transmission, ao, soft_shadow, emission, albedo, normal, depth, position, cascade, seam, and
+/// voxel views. The last may be followed by a level: "voxel_albedo:2".
 const std::vector<std::string>& channelNames();
 
 /// Levels that a voxel view can ask for: 0 to this − 1.

@@ -67,7 +67,7 @@ CameraView cameraView(const Camera& worldCamera, const glm::dvec3& origin, const
 }
 
 GBuffer::GBuffer(const gl::ShaderLibrary& shaders, const gl::GpuScene& scene, int width, int height)
-    : width_(width), height_(height), emission_(scene.anyEmission()) {
+    : width_(width), height_(height), emission_(scene.anyEmission()), transmission_(scene.anyTransmission()) {
     surface_ = gl::Texture::create2D(GL_RGBA32UI, width, height);
     baseColor_ = gl::Texture::create2D(GL_RGBA16, width, height);
     specular_ = gl::Texture::create2D(GL_RGBA16, width, height);
@@ -79,6 +79,16 @@ GBuffer::GBuffer(const gl::ShaderLibrary& shaders, const gl::GpuScene& scene, in
         // 32 bits: emitters of any strength, and software rasterisers truncate when they store 16-bit floats.
         emissionTexture_ = gl::Texture::create2D(GL_RGBA32F, width, height);
         framebuffer_.attachColor(3, emissionTexture_);
+    }
+    if (transmission_) {
+        transmissionTexture_ = gl::Texture::create2D(GL_RGBA32UI, width, height);
+        scattered_ = gl::Texture::create2D(GL_RGBA16, width, height);
+        exits_ = gl::Texture::create2D(GL_RG32UI, width, height);
+        framebuffer_.attachColor(transmissionLocation(), transmissionTexture_);
+        framebuffer_.attachColor(transmissionLocation() + 1, scattered_);
+        exitFramebuffer_.attachColor(0, exits_);
+        exitFramebuffer_.attachDepth(depth_);
+        exitProgram_ = shaders.graphics({"frame/gbuffer.vert", "frame/exits.frag"});
     }
     framebuffer_.attachDepth(depth_);
 
@@ -96,7 +106,13 @@ GBuffer::GBuffer(const gl::ShaderLibrary& shaders, const gl::GpuScene& scene, in
 }
 
 gl::Defines GBuffer::defines() const {
-    return emission_ ? gl::Defines{{"GBUFFER_EMISSION", "1"}} : gl::Defines{};
+    gl::Defines defines;
+    if (emission_) defines["GBUFFER_EMISSION"] = "1";
+    if (transmission_) {
+        defines["GBUFFER_TRANSMISSION"] = std::to_string(transmissionLocation());
+        defines["GBUFFER_SCATTERED"] = std::to_string(transmissionLocation() + 1);
+    }
+    return defines;
 }
 
 void GBuffer::draw(const gl::GpuScene& scene, const CameraView& view, gl::PassTimers& timers) {
@@ -109,6 +125,10 @@ void GBuffer::draw(const gl::GpuScene& scene, const CameraView& view, gl::PassTi
     framebuffer_.clearColor(1, glm::vec4(0));
     framebuffer_.clearColor(2, glm::vec4(0));
     if (emission_) framebuffer_.clearColor(3, glm::vec4(0));
+    if (transmission_) {
+        framebuffer_.clearColorUint(transmissionLocation(), glm::uvec4(0));
+        framebuffer_.clearColor(transmissionLocation() + 1, glm::vec4(0));
+    }
     framebuffer_.clearDepth(1);
 
     gl::DrawState state;
@@ -130,7 +150,23 @@ void GBuffer::draw(const gl::GpuScene& scene, const CameraView& view, gl::PassTi
             });
         }
     }
+    if (transmission_) drawExits(scene, view);
     gl::DrawState{}.apply();
+}
+
+void GBuffer::drawExits(const gl::GpuScene& scene, const CameraView& view) {
+    exitFramebuffer_.clearColorUint(0, glm::uvec4(0));
+    exitFramebuffer_.clearDepth(1);
+    gl::DrawState state;
+    state.depthTest = true;
+    state.depthWrite = true;
+    state.depthClamp = true;
+    state.clipDistances = 2;
+    state.apply();
+    exitProgram_.set("u_clipFromWorld", view.clipFromWorld);
+    exitProgram_.set("u_cameraPosition", view.position);
+    exitProgram_.set("u_clipRange", view.clipRange);
+    scene.draw(exitProgram_, [](const gl::Batch& batch) { return batch.transmits && batch.closed; });
 }
 
 void GBuffer::bind(gl::Program& program, int firstUnit) const {
@@ -142,12 +178,18 @@ void GBuffer::bind(gl::Program& program, int firstUnit) const {
     texture("u_gbufferBaseColor", baseColor_, 1);
     texture("u_gbufferSpecular", specular_, 2);
     if (emission_) texture("u_gbufferEmission", emissionTexture_, 3);
+    if (transmission_) {
+        texture("u_gbufferTransmission", transmissionTexture_, 4);
+        texture("u_gbufferScattered", scattered_, 5);
+        texture("u_exits", exits_, 6);
+    }
     program.set("u_cameraPosition", view_.position);
     program.set("u_cameraRays", view_.rays);
 }
 
 std::uint64_t GBuffer::bytes() const {
-    return surface_.bytes() + baseColor_.bytes() + specular_.bytes() + emissionTexture_.bytes() + depth_.bytes();
+    return surface_.bytes() + baseColor_.bytes() + specular_.bytes() + emissionTexture_.bytes() +
+           transmissionTexture_.bytes() + scattered_.bytes() + exits_.bytes() + depth_.bytes();
 }
 
 Image GBuffer::channel(const std::string& name, int supersample) {

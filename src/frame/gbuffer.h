@@ -30,7 +30,8 @@ CameraView cameraView(const Camera& worldCamera, const glm::dvec3& origin, const
                       int height);
 
 /// Per pixel: shading and geometric normal (octahedral, 16 bit snorm), metallic and roughness, distance along the view
-/// as float (position is rebuilt from it), base colour and F90, dielectric F0, and emission where anything emits.
+/// as float (position is rebuilt from it), base colour and F90, dielectric F0, and emission where anything emits. Where
+/// anything transmits also what does, and behind it the nearest back faces of solids (cone/refraction.h).
 /// Shaders read it with frame/gbuffer.glsl.
 ///  - Back faces of single-sided materials are not drawn; double-sided ones turn their normals to the camera.
 ///  - MASK is tested against its cutoff. BLEND, and MASK where its texture is minified, is a deterministic screen door:
@@ -44,7 +45,7 @@ class GBuffer {
     void draw(const gl::GpuScene& scene, const CameraView& view, gl::PassTimers& timers);
 
     /// Texture units that `bind` takes.
-    static constexpr int kUnits = 4;
+    static constexpr int kUnits = 7;
     /// For programs that include frame/gbuffer.glsl, compiled with `defines()`: textures at units `firstUnit`… and
     /// camera.
     void bind(gl::Program& program, int firstUnit) const;
@@ -60,13 +61,16 @@ class GBuffer {
     Image channel(const std::string& name, int supersample);
 
   private:
+    int transmissionLocation() const { return emission_ ? 4 : 3; }
+    void drawExits(const gl::GpuScene& scene, const CameraView& view);
+
     int width_, height_;
-    bool emission_;
+    bool emission_, transmission_;
     glm::dvec3 origin_{0};
     CameraView view_;
-    gl::Texture surface_, baseColor_, specular_, emissionTexture_, depth_;
-    gl::Framebuffer framebuffer_;
-    gl::Program opaque_, alphaTested_, channels_;
+    gl::Texture surface_, baseColor_, specular_, emissionTexture_, transmissionTexture_, scattered_, depth_, exits_;
+    gl::Framebuffer framebuffer_, exitFramebuffer_;
+    gl::Program opaque_, alphaTested_, exitProgram_, channels_;
 };
 
 /// The first `channels` components of a float texture as an image, row 0 on top.

@@ -7,6 +7,7 @@
 
 #include "cascade/voxels.h"
 #include "cone/gather.h"
+#include "cone/refraction.h"
 #include "core/check.h"
 #include "frame/cascade_view.h"
 #include "frame/gbuffer.h"
@@ -79,8 +80,12 @@ struct Renderer::Impl {
         schedule = std::make_unique<ClipmapSchedule>(layout, exact ? 0 : settings.cascade.budget, gpuScene.anyMoving());
         field = std::make_unique<RadianceField>(shaders, settings, voxels, sky, lights);
         diffuse = std::make_unique<DiffusePass>(shaders, settings, voxels, sky, gbuffer.defines(), width, height);
-        if (settings.specular.enabled && anySpecular()) {
-            specularAlbedo = specularAlbedoTexture();
+        const bool reflects = settings.specular.enabled && anySpecular(), transmits = gpuScene.anyTransmission();
+        if (reflects || transmits) specularAlbedo = specularAlbedoTexture();
+        if (transmits)
+            refraction = std::make_unique<RefractionPass>(shaders, settings, scene, voxels, sky, gbuffer.defines(),
+                                                          specularAlbedo, width, height);
+        if (reflects) {
             specular = std::make_unique<SpecularPass>(shaders, settings, voxels, sky, gbuffer.defines(), specularAlbedo,
                                                       width, height);
         }
@@ -157,6 +162,10 @@ struct Renderer::Impl {
                 specular->run(volume, sky, bindGBuffer, timers);
                 layers.push_back(&specular->texture());
             }
+            if (refraction) {
+                refraction->run(volume, seenSky, bindGBuffer, timers);
+                layers.push_back(&refraction->texture());
+            }
             if (softShadow) runSoftShadow(volume, bindGBuffer);
         }
         composite.run(gbuffer, seenSky, layers, settings.output.exposure, timers);
@@ -217,6 +226,7 @@ struct Renderer::Impl {
             memory("voxel radiance", field->bytes());
             memory("diffuse cones", diffuse->bytes());
             if (specular) memory("specular cones", specular->bytes());
+            if (refraction) memory("refraction cones", refraction->texture().bytes());
             if (softShadow) memory("soft shadow", softShadow->texture().bytes());
         }
         memory("beauty", composite.beauty().bytes());
@@ -266,6 +276,7 @@ struct Renderer::Impl {
         if (name == "direct") return layer(direct ? &direct->texture() : nullptr, 3);
         if (name == "indirect_diffuse") return layer(diffuse ? &diffuse->texture() : nullptr, 3);
         if (name == "indirect_specular") return layer(specular ? &specular->texture() : nullptr, 3);
+        if (name == "transmission") return layer(refraction ? &refraction->texture() : nullptr, 3);
         if (name == "ao") {
             const Image four = layer(diffuse ? &diffuse->texture() : nullptr, 4);
             Image ao(four.width, four.height, 1);
@@ -316,6 +327,7 @@ struct Renderer::Impl {
     std::unique_ptr<DiffusePass> diffuse;
     gl::Texture specularAlbedo;
     std::unique_ptr<SpecularPass> specular;
+    std::unique_ptr<RefractionPass> refraction;
     std::unique_ptr<SoftShadowPass> softShadow;
     Composite composite;
     Readout readout;
@@ -406,6 +418,7 @@ std::vector<LeftOut> Renderer::leftOut() const {
     if (!r.specular && !r.gpuScene.empty())
         out.push_back({"specular cones",
                        r.settings.specular.enabled ? "no material reflects specularly" : "specular.enabled is false"});
+    if (!r.refraction && !r.gpuScene.empty()) out.push_back({"refraction cones", "no material transmits light"});
     if (!r.softShadow)
         out.push_back({"soft shadow cones", !r.settings.shadow.cones ? "shadow.cones is false"
                                             : r.scene.lights.empty() ? "the scene has no analytic light"
@@ -413,11 +426,6 @@ std::vector<LeftOut> Renderer::leftOut() const {
     if (r.settings.voxel.storage != VoxelStorage::six_face)
         out.push_back({"second coverage volume", "voxel.storage has one opacity a voxel"});
     if (r.settings.ao.distance <= 0) out.push_back({"occluder distances", "ao.distance is 0: all occluders count"});
-    for (const Material& m : r.scene.materials)
-        if (m.transmission > 0) {
-            out.push_back({"transmission", "not modelled yet: transmitting materials are opaque"});
-            break;
-        }
     return out;
 }
 

@@ -9,7 +9,7 @@
 namespace voxcone {
 namespace {
 
-constexpr std::array<const char*, 3> kLayers = {"u_layer0", "u_layer1", "u_layer2"};
+constexpr std::array<const char*, 4> kLayers = {"u_layer0", "u_layer1", "u_layer2", "u_layer3"};
 constexpr int kLayerUnit = gl::kPassTextureUnit + GBuffer::kUnits;
 constexpr int kSkyUnit = kLayerUnit + static_cast<int>(kLayers.size());
 

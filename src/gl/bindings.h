@@ -3,13 +3,18 @@
 
 namespace voxcone::gl {
 
-/// Texture units 0–3 are the material's; passes use kPassTextureUnit and up.
+/// Texture units of the material that is drawn. Passes that draw none use kEnvironmentUnit, kPassTextureUnit and up.
 enum MaterialUnit : int {
     kBaseColorUnit = 0,
     kMetallicRoughnessUnit = 1,
     kNormalUnit = 2,
     kEmissionUnit = 3,
+    kTransmissionUnit = 4,
+    kThicknessUnit = 5,
+    kDiffuseTransmissionUnit = 6,
+    kDiffuseTransmissionColorUnit = 7,
 };
+constexpr int kMaterialUnits = 8;
 constexpr int kEnvironmentUnit = 4;
 constexpr int kPassTextureUnit = 5;
 

@@ -33,9 +33,10 @@ struct GpuObject {
 
 /// Twin of Material in shaders/shared/material.glsl.
 struct GpuMaterial {
-    glm::vec4 baseColor, emission, metallicRoughness, specular;
-    std::array<glm::vec4, 8> uvTransform;
-    glm::ivec4 texCoord, flags;
+    glm::vec4 baseColor, emission, metallicRoughness, specular, transmission, absorption, diffuseTransmission;
+    std::array<glm::vec4, 2 * kMaterialUnits> uvTransform;
+    std::array<glm::ivec4, kMaterialUnits / 4> texCoord;
+    glm::ivec4 flags;
 };
 
 /// Appends the vertices of `mesh`, deformed ones in their place.
@@ -69,11 +70,15 @@ struct Slot {
     int unit;
     bool srgb;
 };
-std::array<Slot, 4> slots(const Material& material) {
+std::array<Slot, kMaterialUnits> slots(const Material& material) {
     return {{{&material.baseColorTexture, kBaseColorUnit, true},
              {&material.metallicRoughnessTexture, kMetallicRoughnessUnit, false},
              {&material.normalTexture, kNormalUnit, false},
-             {&material.emissionTexture, kEmissionUnit, true}}};
+             {&material.emissionTexture, kEmissionUnit, true},
+             {&material.transmissionTexture, kTransmissionUnit, false},
+             {&material.thicknessTexture, kThicknessUnit, false},
+             {&material.diffuseTransmissionTexture, kDiffuseTransmissionUnit, false},
+             {&material.diffuseTransmissionColorTexture, kDiffuseTransmissionColorUnit, true}}};
 }
 
 /// `box` under `worldFromObject`, wider by more than the floats of a shader, which computes positions relative to
@@ -290,12 +295,17 @@ void GpuScene::uploadMaterials() {
         const float root = (material.ior - 1) / (material.ior + 1);
         gpu.specular = glm::vec4(glm::min(root * root * material.specularColor, glm::vec3(1)) * material.specularFactor,
                                  material.specularFactor);
+        if (material.transmits())
+            gpu.transmission = glm::vec4(material.transmission, material.thickness, std::max(material.ior, 1.0f), 0);
+        gpu.absorption = glm::vec4(material.absorption(), 0);
+        if (material.transmits())
+            gpu.diffuseTransmission = glm::vec4(material.diffuseTransmissionColor, material.diffuseTransmission);
         for (const Slot& slot : slots(material)) {
             const glm::mat3x2& t = slot.slot->uvTransform;
             const auto row = static_cast<std::size_t>(2 * slot.unit);
             gpu.uvTransform[row] = glm::vec4(t[0][0], t[1][0], t[2][0], 0);
             gpu.uvTransform[row + 1] = glm::vec4(t[0][1], t[1][1], t[2][1], 0);
-            gpu.texCoord[slot.unit] = slot.slot->texCoord;
+            gpu.texCoord[static_cast<std::size_t>(slot.unit / 4)][slot.unit % 4] = slot.slot->texCoord;
             if (slot.slot->texture >= 0) gpu.flags.w |= 1 << slot.unit;
         }
         gpu.flags.x = static_cast<int>(material.alphaMode);
@@ -401,6 +411,7 @@ void GpuScene::updateBatches() {
             batch.moving = moving;
             batch.alphaMode = material.alphaMode;
             batch.doubleSided = material.doubleSided;
+            batch.transmits = material.transmits();
             batch.emits = material.unlit || material.emits();
             batch.leaves = leaves_[static_cast<std::size_t>(batch.material)] != 0;
             batch.emitsToCones = batch.emits && !material.extracted;
@@ -433,8 +444,8 @@ void GpuScene::uploadObjects() {
             for (int r = 0; r < 3; ++r) largest = std::max(largest, std::abs(normal[c][r]));
         }
         if (largest > 0) normal /= largest;  // keeps floats in range for any scale of the scene
-        data.push_back(
-            {glm::mat4(world), glm::mat4(glm::mat3(normal)), glm::vec4(determinant < 0 ? -1.0f : 1.0f, 0, 0, 0)});
+        data.push_back({glm::mat4(world), glm::mat4(glm::mat3(normal)),
+                        glm::vec4(determinant < 0 ? -1.0f : 1.0f, std::cbrt(std::abs(determinant)), 0, 0)});
     }
     const std::size_t bytes = data.size() * sizeof(GpuObject);
     requireStorage(bytes, "objects");
@@ -476,6 +487,10 @@ bool GpuScene::anyAlphaTest() const {
 
 bool GpuScene::anyLeaves() const {
     return std::any_of(batches_.begin(), batches_.end(), [](const Batch& batch) { return batch.leaves; });
+}
+
+bool GpuScene::anyTransmission() const {
+    return std::any_of(batches_.begin(), batches_.end(), [](const Batch& batch) { return batch.transmits; });
 }
 
 bool GpuScene::anyMoving() const {
@@ -520,7 +535,7 @@ void GpuScene::drawBatches(Program& program, const BatchFilter& filter, TextureF
         issue(batch);
     }
     glFrontFace(GL_CCW);
-    for (const int unit : {kBaseColorUnit, kMetallicRoughnessUnit, kNormalUnit, kEmissionUnit}) Sampler::unbind(unit);
+    for (int unit = 0; unit < kMaterialUnits; ++unit) Sampler::unbind(unit);
 }
 
 void GpuScene::draw(Program& program, const BatchFilter& filter, TextureFiltering filtering) const {

@@ -26,6 +26,7 @@ struct Batch {
     bool doubleSided = false;
     bool emits = false;                            ///< the material emits (emission or unlit)
     bool leaves = false;                           ///< Scene::isLeaves
+    bool transmits = false;                        ///< Material::transmits
     bool emitsToCones = false;                     ///< and analytic lights do not do so in its place
     std::uint32_t firstIndex = 0, indexCount = 0;  ///< in the index buffer
     std::int32_t baseVertex = 0;
@@ -66,6 +67,7 @@ class GpuScene {
     bool anyEmission() const;
     bool anyEmissionToCones() const;  ///< a batch with emitsToCones
     bool anyAlphaTest() const;        ///< a batch with AlphaMode mask or blend
+    bool anyTransmission() const;     ///< a batch that transmits
     bool anyMoving() const;           ///< a batch that moves
     bool anyLeaves() const;           ///< a batch of leaves
 

@@ -71,7 +71,7 @@ void ShadowMaps::layOut(const gl::GpuScene& scene) {
 void ShadowMaps::draw(const gl::GpuScene& scene) {
     const std::vector<std::string> stages = {"light/shadow.vert", "light/shadow.frag"};
     if (!opaqueProgram_) opaqueProgram_ = shaders_.graphics(stages, {{"ALPHA_TEST", "0"}});
-    const bool alphaTest = scene.anyAlphaTest();
+    const bool alphaTest = scene.anyAlphaTest() || scene.anyTransmission();
     if (alphaTest && !alphaProgram_) alphaProgram_ = shaders_.graphics(stages, {{"ALPHA_TEST", "1"}});
 
     gl::Framebuffer framebuffer;
@@ -82,7 +82,9 @@ void ShadowMaps::draw(const gl::GpuScene& scene) {
     state.depthWrite = true;
     state.apply();
     viewBuffer_.bindBase(GL_SHADER_STORAGE_BUFFER, kShadowViewStorage);
-    const auto isOpaque = [](const gl::Batch& batch) { return batch.alphaMode == AlphaMode::opaque; };
+    const auto isOpaque = [](const gl::Batch& batch) {
+        return batch.alphaMode == AlphaMode::opaque && !batch.transmits;
+    };
     std::vector<char> seen(scene.objectCount());
     for (std::size_t i = 0; i < layout_.views.size(); ++i) {
         const ShadowTile& tile = layout_.tiles[i];

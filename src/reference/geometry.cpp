@@ -129,6 +129,8 @@ Geometry::Geometry(const Scene& scene, double time) : scene_(&scene) {
         const glm::dmat3 unscaled = linear * space_.scale;
         instance.direction = glm::mat3(unscaled);
         instance.mirrored = glm::determinant(unscaled) < 0;
+        instance.scale = static_cast<float>(std::cbrt(std::abs(glm::determinant(linear))));
+        anyTransmission_ |= material.transmits();
         const double side = instance.mirrored ? -1 : 1;
         instance.normal = glm::mat3(glm::dmat3(side * glm::cross(unscaled[1], unscaled[2]),
                                                side * glm::cross(unscaled[2], unscaled[0]),
@@ -252,6 +254,28 @@ bool Geometry::occluded(const glm::vec3& origin, const glm::vec3& direction, flo
     return ray.tfar < 0;
 }
 
+glm::vec3 Geometry::transmittance(const glm::vec3& origin, const glm::vec3& direction, float far,
+                                  std::uint32_t seed) const {
+    if (!anyTransmission_) return glm::vec3(occluded(origin, direction, far, seed) ? 0.0f : 1.0f);
+    constexpr int kMostSurfaces = 256;
+    const float length = glm::length(direction);
+    const float metres = static_cast<float>(static_cast<double>(length) / space_.scale);
+    glm::vec3 result(1);
+    float near = 0, entered = 0;
+    for (int surfaces = 0; surfaces < kMostSurfaces; ++surfaces) {
+        Hit hit;
+        if (!intersect(RayKind::light, origin, direction, near, far, seed, hit)) return result;
+        const Shading shading = shade(hit, -direction / length);
+        result *= straightTransmittance(shading.surface, shading.transmission,
+                                        std::abs(glm::dot(shading.normal, direction)) / length);
+        if (shading.inside) result *= glm::exp(-shading.transmission.absorption * ((hit.distance - entered) * metres));
+        if (!(maxComponent(result) > 0)) return glm::vec3(0);
+        entered = hit.distance;
+        near = hit.distance * (1 + kPositionError) + hit.offset / length;
+    }
+    return glm::vec3(0);
+}
+
 Hit Geometry::pointOn(std::uint32_t instanceIndex, std::uint32_t triangle, float u, float v) const {
     const Instance& instance = instances_[instanceIndex];
     const glm::uvec3 c = corners(*instance.mesh, triangle);
@@ -317,6 +341,30 @@ Shading Geometry::shade(const Hit& hit, const glm::vec3& toViewer) const {
                                               material.specularFactor, material.specularColor);
         if (emits && material.emits())
             shading.emission = material.emission * glm::vec3(texel(material.emissionTexture, mesh, c, weights, true));
+        if (material.transmits()) {
+            const float dielectric = 1 - glm::clamp(material.metallic * rough.b, 0.0f, 1.0f);
+            const float beam = material.transmission * texel(material.transmissionTexture, mesh, c, weights, false).r;
+            const float scattered =
+                material.diffuseTransmission * texel(material.diffuseTransmissionTexture, mesh, c, weights, false).a;
+            shading.transmission.color = shading.baseColor * (beam * dielectric);
+            shading.transmission.diffuseColor =
+                material.diffuseTransmissionColor *
+                glm::vec3(texel(material.diffuseTransmissionColorTexture, mesh, c, weights, true)) *
+                (scattered * (1 - beam) * dielectric);
+            shading.surface.diffuseColor *= (1 - beam) * (1 - scattered);
+            if (material.thickness > 0) {
+                if (!mesh.closed.empty() && mesh.closed[hit.triangle] != 0) {
+                    shading.solid = true;
+                    shading.inside = !front;
+                    shading.transmission.ior = std::max(material.ior, 1.0f);
+                    shading.transmission.absorption = material.absorption();
+                } else {
+                    const float thickness = material.thickness * instance.scale *
+                                            texel(material.thicknessTexture, mesh, c, weights, false).g;
+                    shading.transmission.color *= glm::exp(-material.absorption() * thickness);
+                }
+            }
+        }
     }
 
     const float side = front ? 1.0f : -1.0f;

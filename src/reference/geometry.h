@@ -39,6 +39,9 @@ struct Hit {
 /// Material at a hit, seen from one side.
 struct Shading {
     Surface surface;  ///< all zero for unlit materials
+    Transmission transmission;
+    bool solid = false;  ///< bounds a medium: a closed body with a thickness; else light that passes meets a thin sheet
+    bool inside = false;  ///< the viewer is in that medium
     glm::vec3 baseColor{0};
     glm::vec3 emission{0};     ///< radiance towards the viewer, before transparency
     float coverage = 1;        ///< probability that a ray stops here: alpha of BLEND, 0 or 1 of MASK
@@ -63,6 +66,11 @@ class Geometry {
                    float farDistance, std::uint32_t seed, Hit& hit) const;
     /// Whether anything lies on `origin` + t·`direction`, 0 < t < `far`.
     bool occluded(const glm::vec3& origin, const glm::vec3& direction, float far, std::uint32_t seed) const;
+
+    /// What transmitting surfaces on `origin` + t·`direction`, 0 < t < `far`, leave of the light of an analytic light
+    /// there, which goes straight (straightTransmittance, and absorption inside of solids): 0 where anything else lies,
+    /// 1 where nothing does.
+    glm::vec3 transmittance(const glm::vec3& origin, const glm::vec3& direction, float far, std::uint32_t seed) const;
 
     /// Material at `hit` as seen along unit `toViewer`.
     Shading shade(const Hit& hit, const glm::vec3& toViewer) const;
@@ -89,6 +97,7 @@ class Geometry {
         glm::mat3 direction{1};  ///< of tangents
         glm::mat3 normal{1};     ///< cofactors of the above, turned to keep the outside out
         bool mirrored = false;
+        float scale = 1;  ///< mean length in the world of a unit of the mesh
     };
 
     static void filterTransparent(const RTCFilterFunctionNArguments* arguments);
@@ -107,6 +116,7 @@ class Geometry {
     RTCScene bvh_ = nullptr;
     std::vector<Instance> instances_;
     std::deque<DeformedVertices> deformed_;  ///< of instances that are not rigid
+    bool anyTransmission_ = false;
 };
 
 }  // namespace voxcone

@@ -1,9 +1,12 @@
 // Unidirectional path tracing with next-event estimation and multiple importance sampling (Veach 1997, power
 // heuristic).
 //
-// At every vertex one lobe, diffuse or specular, is drawn and followed, and the light samples are weighted for each
-// lobe apart. So the lobe of the first vertex says which channel a path feeds, both channels are unbiased, and they add
-// up.
+// At every vertex one lobe is drawn and followed, and the light samples are weighted for each lobe apart. So the lobe
+// of the first vertex says which channel a path feeds, all channels are unbiased, and they add up.
+//
+// A beam that a surface transmits is followed by its own lobe alone: no light samples are taken for it, and to samples
+// of emitters and sky transmitting surfaces are opaque. Analytic lights shine straight through them instead
+// (Geometry::transmittance), and are not met by transmitted beams.
 #include "reference/path_tracer.h"
 
 #include <tbb/parallel_for.h>
@@ -33,6 +36,8 @@ constexpr std::uint32_t kCameraRay = 0, kOpennessRay = 1, kFirstVertexRay = 2;
 
 // A lobe that reflects anything is drawn at least this often.
 constexpr float kMinLobeProbability = 0.1f;
+// GGX widths up to here are mirrors to the choice of lobes.
+constexpr float kMirrorAlpha = 0.01f;
 // Paths this long are ended by chance. Shorter ones carry most of the light.
 constexpr int kRouletteDepth = 2;
 // Smallest cosines that a shading normal is turned to meet: with the viewer, and of the mirrored viewer with the plane.
@@ -48,20 +53,31 @@ struct Vertex {
     glm::vec3 normal;       ///< shading
     glm::vec3 toViewer;
     Surface surface;
+    glm::vec3 behind{0};  ///< as `origin`, on the other side
+    Transmission transmission = {};
+    bool solid = false, inside = false;  ///< as in Shading
 };
 
 /// Light that leaves the first vertex, by channel.
 struct Scattered {
-    glm::vec3 direct{0}, diffuse{0}, specular{0};
+    glm::vec3 direct{0}, diffuse{0}, specular{0}, transmission{0};
 };
 
+/// By lobe: `beam` is what a surface transmits by a specular lobe, `scattered` what leaves it behind by a Lambert lobe.
 struct LobeProbabilities {
-    float diffuse = 0, specular = 0;
+    float diffuse = 0, specular = 0, beam = 0, scattered = 0;
 };
 
 Vertex makeVertex(const Hit& hit, const Shading& shading, const glm::vec3& toViewer) {
-    Vertex vertex{hit.position + hit.offset * shading.planeNormal, shading.planeNormal, shading.normal, toViewer,
-                  shading.surface};
+    Vertex vertex{hit.position + hit.offset * shading.planeNormal,
+                  shading.planeNormal,
+                  shading.normal,
+                  toViewer,
+                  shading.surface,
+                  hit.position - hit.offset * shading.planeNormal,
+                  shading.transmission,
+                  shading.solid,
+                  shading.inside};
     const float cosine = glm::dot(vertex.normal, toViewer);
     if (maxComponent(vertex.surface.f0) > 0 || vertex.surface.f90 > 0) {
         // A mirror image from below the plane would be black: it is lifted above, and the normal put half-way (Keller
@@ -77,14 +93,32 @@ Vertex makeVertex(const Hit& hit, const Shading& shading, const glm::vec3& toVie
     return vertex;
 }
 
+glm::vec3 fresnelAt(const Vertex& vertex, float vDotH) {
+    return vertex.inside ? fresnelFromInside(vertex.surface, vertex.transmission.ior, vDotH)
+                         : fresnel(vertex.surface, vDotH);
+}
+
 LobeProbabilities lobeProbabilities(const Vertex& vertex) {
     const float cosine = glm::dot(vertex.normal, vertex.toViewer);
     const float diffuse = maxComponent(vertex.surface.diffuseColor) * diffuseAlbedoScale(vertex.surface, cosine);
-    const float specular = maxComponent(fresnel(vertex.surface, cosine));
-    if (!(diffuse > 0)) return {0, specular > 0 ? 1.0f : 0.0f};
-    if (!(specular > 0)) return {1, 0};
-    const float share = glm::clamp(specular / (diffuse + specular), kMinLobeProbability, 1 - kMinLobeProbability);
-    return {1 - share, share};
+    float specular = maxComponent(fresnelAt(vertex, cosine));
+    const float entering = 1 - specular, passing = maxComponent(vertex.transmission.color);
+    float beam = passing * entering;
+    if (vertex.inside && passing > 0 && vertex.surface.alpha > kMirrorAlpha) {
+        // Whether light is totally reflected differs among the facets of a rough surface.
+        beam = std::max(beam, kMinLobeProbability);
+        specular = std::max(specular, kMinLobeProbability);
+    }
+    LobeProbabilities lobes{diffuse, specular, beam, maxComponent(vertex.transmission.diffuseColor) * entering};
+    const std::array<float*, 4> all = {&lobes.diffuse, &lobes.specular, &lobes.beam, &lobes.scattered};
+    // Twice, as the smallest grow at the cost of the others.
+    for (int pass = 0; pass < 2; ++pass) {
+        float sum = 0;
+        for (const float* p : all) sum += *p;
+        if (!(sum > 0)) return {};
+        for (float* p : all) *p = *p > 0 ? (pass == 0 ? std::max(*p / sum, kMinLobeProbability) : *p / sum) : 0;
+    }
+    return lobes;
 }
 
 /// Visible GGX normal of a viewer at `v` in the frame of the normal (Heitz, JCGT 7(4), 2018).
@@ -111,6 +145,56 @@ float specularPdf(const Vertex& vertex, const glm::vec3& l) {
     const float d = ggxDistribution(alpha, glm::dot(vertex.normal, h), glm::dot(nCrossH, nCrossH));
     // G1 / (4 n·v) without a division by n·v.
     return d * 0.5f / (nDotV + std::sqrt(nDotV * nDotV * (1 - a2) + a2));
+}
+
+glm::vec3 specularAt(const Vertex& vertex, const glm::vec3& l) {
+    if (!vertex.inside) return evaluateSpecular(vertex.surface, vertex.normal, vertex.toViewer, l);
+    Surface mirror = vertex.surface;
+    mirror.f0 = glm::vec3(1);
+    mirror.f90 = 1;
+    return evaluateSpecular(mirror, vertex.normal, vertex.toViewer, l) *
+           fresnelAt(vertex, 0.5f * glm::length(vertex.toViewer + l));
+}
+
+/// Lambert lobe on the other side, in 1/sr, without the cosine. What the surface reflects is that for the viewer's own
+/// direction: light from behind has no half vector with it.
+glm::vec3 scatteredAt(const Vertex& vertex) {
+    return vertex.transmission.diffuseColor *
+           (diffuseTransmission(vertex.surface, glm::dot(vertex.normal, vertex.toViewer)) / kPi);
+}
+
+/// A direction of the transmitted beam about the facet with unit normal `h`, and the beam's share over the density of
+/// facets (reference/path_tracer.cpp, visibleNormal). False where the facet sends nothing to the other side.
+bool transmittedDirection(const Vertex& vertex, const glm::vec3& h, glm::vec3& direction, glm::vec3& weight) {
+    const glm::vec3 &v = vertex.toViewer, &n = vertex.normal;
+    const float c = glm::dot(v, h), alpha = vertex.surface.alpha;
+    if (c <= 0) return false;
+    weight = vertex.transmission.color * (1 - maxComponent(fresnelAt(vertex, c)));
+    if (vertex.solid) {
+        // Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007, eq. 40 and 21.
+        const float eta = vertex.inside ? vertex.transmission.ior : 1 / vertex.transmission.ior;
+        const float k = 1 - eta * eta * (1 - c * c);
+        if (k < 0) return false;
+        direction = glm::normalize((eta * c - std::sqrt(k)) * h - eta * v);
+        const float nDotL = -glm::dot(n, direction);
+        if (nDotL <= 0) return false;
+        // Smith's G1 of the way out. Radiance over the squared index is what stays the same along a beam.
+        const float tan2 = (1 - nDotL * nDotL) / (nDotL * nDotL);
+        weight *= eta * eta * 2 / (1 + std::sqrt(1 + alpha * alpha * tan2));
+    } else {
+        // The lobe of reflection, mirrored to the other side (KHR_materials_transmission).
+        const glm::vec3 reflected = glm::normalize(2 * c * h - v);
+        const float nDotL = glm::dot(n, reflected);
+        if (nDotL <= 0) return false;
+        const float pdf = specularPdf(vertex, reflected);
+        if (!(pdf > 0)) return false;
+        Surface mirror = vertex.surface;
+        mirror.f0 = glm::vec3(1);
+        mirror.f90 = 1;
+        weight *= evaluateSpecular(mirror, n, v, reflected) * (nDotL / pdf);
+        direction = glm::normalize(reflected - 2 * nDotL * n);
+    }
+    return glm::dot(vertex.planeNormal, direction) < 0;
 }
 
 float diffusePdf(const Vertex& vertex, const glm::vec3& l) {
@@ -140,8 +224,8 @@ template <class Vec>
 struct PixelSums {
     using Real = typename Vec::value_type;
     struct Half {
-        Vec direct{0}, diffuse{0}, specular{0}, own{0};  ///< own: emission and background
-        Vec beauty() const { return direct + diffuse + specular + own; }
+        Vec direct{0}, diffuse{0}, specular{0}, transmission{0}, own{0};  ///< own: emission and background
+        Vec beauty() const { return direct + diffuse + specular + transmission + own; }
     };
     std::array<Half, 2> halves;
     Vec emission{0}, albedo{0}, normal{0}, position{0};
@@ -153,6 +237,7 @@ struct PixelSums {
             halves[h].direct += Vec(other.halves[h].direct);
             halves[h].diffuse += Vec(other.halves[h].diffuse);
             halves[h].specular += Vec(other.halves[h].specular);
+            halves[h].transmission += Vec(other.halves[h].transmission);
             halves[h].own += Vec(other.halves[h].own);
         }
         emission += Vec(other.emission);
@@ -231,101 +316,156 @@ Scattered PathTracer::Impl::scatter(Vertex vertex, const Sampler& sampler, int m
     Scattered result;
     glm::vec3* channel = nullptr;
     glm::vec3 throughput(1);
+    glm::vec3 absorption(0);  // of the medium that the path is in, per unit of tracing space
+    float ior = 1;
 
     for (int depth = 0; depth < maxDepth; ++depth) {
         const auto step = static_cast<std::uint32_t>(depth);
         const std::uint32_t sets = kFirstVertexSet + kSetsPerVertex * step;
         const std::uint32_t rays = kFirstVertexRay + kSetsPerVertex * step;
         const LobeProbabilities lobes = lobeProbabilities(vertex);
-        if (lobes.diffuse + lobes.specular <= 0) break;
+        if (lobes.diffuse + lobes.specular + lobes.beam + lobes.scattered <= 0) break;
 
-        // What a light sample adds through each lobe, unshadowed, weighted against finding it by that lobe.
-        const auto throughLobes = [&](const LightSample& light, glm::vec3& diffuse, glm::vec3& specular) {
-            diffuse = specular = glm::vec3(0);
-            const float cosine = glm::dot(vertex.normal, light.direction);
-            if (light.pdf <= 0 || cosine <= 0 || glm::dot(vertex.planeNormal, light.direction) <= 0) return false;
+        /// What a light sample adds through each lobe, unshadowed, weighted against finding it by that lobe.
+        struct Lit {
+            glm::vec3 diffuse{0}, specular{0}, scattered{0};
+            bool any() const { return maxComponent(diffuse + specular + scattered) > 0; }
+        };
+        const auto throughLobes = [&](const LightSample& light, bool fromBehind) {
+            Lit lit;
+            const float side = fromBehind ? -1.0f : 1.0f, cosine = side * glm::dot(vertex.normal, light.direction);
+            if (light.pdf <= 0 || cosine <= 0 || side * glm::dot(vertex.planeNormal, light.direction) <= 0) return lit;
             const glm::vec3 incoming = light.radiance * (cosine / light.pdf);
-            if (maxComponent(incoming) <= 0) return false;
-            if (lobes.diffuse > 0) {
-                const float weight =
-                    light.delta ? 1 : powerHeuristic(light.pdf, lobes.diffuse * diffusePdf(vertex, light.direction));
-                diffuse = throughput * incoming * weight *
-                          evaluateDiffuse(vertex.surface, vertex.normal, vertex.toViewer, light.direction);
+            const auto weighted = [&](float lobePdf) {
+                return throughput * incoming * (light.delta ? 1 : powerHeuristic(light.pdf, lobePdf));
+            };
+            if (maxComponent(incoming) <= 0) return lit;
+            if (fromBehind) {
+                lit.scattered = weighted(lobes.scattered * cosine / kPi) * scatteredAt(vertex);
+                return lit;
             }
-            if (lobes.specular > 0) {
-                const float weight =
-                    light.delta ? 1 : powerHeuristic(light.pdf, lobes.specular * specularPdf(vertex, light.direction));
-                specular = throughput * incoming * weight *
-                           evaluateSpecular(vertex.surface, vertex.normal, vertex.toViewer, light.direction);
+            if (lobes.diffuse > 0)
+                lit.diffuse = weighted(lobes.diffuse * diffusePdf(vertex, light.direction)) *
+                              evaluateDiffuse(vertex.surface, vertex.normal, vertex.toViewer, light.direction);
+            if (lobes.specular > 0)
+                lit.specular = weighted(lobes.specular * specularPdf(vertex, light.direction)) *
+                               specularAt(vertex, light.direction);
+            return lit;
+        };
+        // Light from behind only where a surface scatters it.
+        for (const bool fromBehind : {false, true}) {
+            if (fromBehind && lobes.scattered <= 0) continue;
+            const glm::vec3& origin = fromBehind ? vertex.behind : vertex.origin;
+            if (!lights.empty()) {
+                const glm::vec4 u = sampler.set(sets + kLightSet);
+                LightSample light = lights.sample(origin, glm::vec2(u), u.z);
+                Lit lit = throughLobes(light, fromBehind);
+                if (lit.any()) {
+                    const glm::vec3 left =
+                        geometry.transmittance(origin, light.toTarget, light.far, sampler.hashed(rays + kLightSet));
+                    if (left != glm::vec3(1) && maxComponent(left) > 0) {
+                        // No lobe finds a light behind a transmitting surface.
+                        light.delta = true;
+                        lit = throughLobes(light, fromBehind);
+                    }
+                    // Inside a solid, light that came straight goes on straight.
+                    if (vertex.inside) lit.specular = glm::vec3(0);
+                    (depth == 0 ? result.direct : *channel) += left * (lit.diffuse + lit.specular + lit.scattered);
+                }
             }
-            return maxComponent(diffuse + specular) > 0;
-        };
-        const auto lit = [&](const LightSample& light, std::uint32_t ray) {
-            return !geometry.occluded(vertex.origin, light.toTarget, light.far, sampler.hashed(ray));
-        };
-
-        glm::vec3 diffuse, specular;
-        if (!lights.empty()) {
-            const glm::vec4 u = sampler.set(sets + kLightSet);
-            const LightSample light = lights.sample(vertex.origin, glm::vec2(u), u.z);
-            if (throughLobes(light, diffuse, specular) && lit(light, rays + kLightSet))
-                (depth == 0 ? result.direct : *channel) += diffuse + specular;
-        }
-        if (!emitters.empty()) {
-            const glm::vec4 u = sampler.set(sets + kEmitterSet);
-            const LightSample light = emitters.sample(vertex.origin, glm::vec2(u), u.z);
-            if (throughLobes(light, diffuse, specular) && lit(light, rays + kEmitterSet)) {
-                if (depth == 0) {
-                    result.direct += light.directShare * (diffuse + specular);
-                    result.diffuse += (1.0f - light.directShare) * diffuse;
-                    result.specular += (1.0f - light.directShare) * specular;
-                } else {
-                    *channel += diffuse + specular;
+            if (!emitters.empty()) {
+                const glm::vec4 u = sampler.set(sets + kEmitterSet);
+                const LightSample light = emitters.sample(origin, glm::vec2(u), u.z);
+                const Lit lit = throughLobes(light, fromBehind);
+                if (lit.any() &&
+                    !geometry.occluded(origin, light.toTarget, light.far, sampler.hashed(rays + kEmitterSet))) {
+                    if (depth == 0) {
+                        result.direct += light.directShare * (lit.diffuse + lit.specular);
+                        result.diffuse += (1.0f - light.directShare) * lit.diffuse;
+                        result.specular += (1.0f - light.directShare) * lit.specular;
+                        result.transmission += lit.scattered;
+                    } else {
+                        *channel += lit.diffuse + lit.specular + lit.scattered;
+                    }
                 }
             }
         }
 
         // Follow one lobe.
         const glm::vec4 u = sampler.set(sets + kBsdfSet);
-        const bool isDiffuse = u.z < lobes.diffuse;
         const glm::mat3 frame = frameAround(vertex.normal);
+        const auto facet = [&] {
+            return frame * visibleNormal(vertex.toViewer * frame, vertex.surface.alpha, glm::vec2(u));
+        };
+        const bool beam = u.z >= lobes.diffuse + lobes.specular && u.z < lobes.diffuse + lobes.specular + lobes.beam;
+        const bool scattered = u.z >= lobes.diffuse + lobes.specular + lobes.beam && lobes.scattered > 0;
         glm::vec3 direction;
-        if (isDiffuse) {
-            direction = frame * cosineDirection(glm::vec2(u));
+        float pdf = kInfinity;  // of a beam: no light sample competes with it
+        if (beam) {
+            glm::vec3 weight;
+            if (!transmittedDirection(vertex, facet(), direction, weight)) break;
+            throughput *= weight / lobes.beam;
+            if (vertex.solid) {
+                ior = vertex.inside ? 1 : vertex.transmission.ior;
+                absorption = vertex.inside
+                                 ? glm::vec3(0)
+                                 : vertex.transmission.absorption / static_cast<float>(geometry.space().scale);
+            }
+        } else if (scattered) {
+            direction = -(frame * cosineDirection(glm::vec2(u)));
+            const float cosine = -glm::dot(vertex.normal, direction);
+            if (cosine <= 0 || glm::dot(vertex.planeNormal, direction) >= 0) break;
+            pdf = lobes.scattered * cosine / kPi;
+            throughput *= (cosine / pdf) * scatteredAt(vertex);
         } else {
-            const glm::vec3 h = frame * visibleNormal(vertex.toViewer * frame, vertex.surface.alpha, glm::vec2(u));
-            direction = 2 * glm::dot(vertex.toViewer, h) * h - vertex.toViewer;
+            const bool isDiffuse = u.z < lobes.diffuse;
+            if (isDiffuse) {
+                direction = frame * cosineDirection(glm::vec2(u));
+            } else {
+                const glm::vec3 h = facet();
+                direction = 2 * glm::dot(vertex.toViewer, h) * h - vertex.toViewer;
+            }
+            direction = glm::normalize(direction);
+            const float cosine = glm::dot(vertex.normal, direction);
+            if (cosine <= 0 || glm::dot(vertex.planeNormal, direction) <= 0) break;
+            pdf = isDiffuse ? lobes.diffuse * diffusePdf(vertex, direction)
+                            : lobes.specular * specularPdf(vertex, direction);
+            if (!(pdf > 0)) break;
+            throughput *=
+                (cosine / pdf) * (isDiffuse ? evaluateDiffuse(vertex.surface, vertex.normal, vertex.toViewer, direction)
+                                            : specularAt(vertex, direction));
+            if (depth == 0) channel = isDiffuse ? &result.diffuse : &result.specular;
         }
-        direction = glm::normalize(direction);
-        const float cosine = glm::dot(vertex.normal, direction);
-        if (cosine <= 0 || glm::dot(vertex.planeNormal, direction) <= 0) break;
-        const float pdf =
-            isDiffuse ? lobes.diffuse * diffusePdf(vertex, direction) : lobes.specular * specularPdf(vertex, direction);
-        if (!(pdf > 0)) break;
-        throughput *=
-            (cosine / pdf) * (isDiffuse ? evaluateDiffuse(vertex.surface, vertex.normal, vertex.toViewer, direction)
-                                        : evaluateSpecular(vertex.surface, vertex.normal, vertex.toViewer, direction));
-        if (depth == 0) channel = isDiffuse ? &result.diffuse : &result.specular;
+        const bool passes = beam || scattered;
+        if (depth == 0 && passes) channel = &result.transmission;
+        const glm::vec3& origin = passes ? vertex.behind : vertex.origin;
 
         Hit hit;
-        const bool found = geometry.intersect(Geometry::RayKind::light, vertex.origin, direction, 0, kInfinity,
+        const bool found = geometry.intersect(Geometry::RayKind::light, origin, direction, 0, kInfinity,
                                               sampler.hashed(rays + kBsdfSet), hit);
-        lights.forEachHit(
-            vertex.origin, direction, found ? hit.distance : kInfinity, [&](const glm::vec3& radiance, float lightPdf) {
-                (depth == 0 ? result.direct : *channel) += throughput * radiance * powerHeuristic(pdf, lightPdf);
-            });
+        const bool reflected = !passes && u.z >= lobes.diffuse;
+        if (!beam && !(vertex.inside && reflected)) {
+            lights.forEachHit(
+                origin, direction, found ? hit.distance : kInfinity, [&](const glm::vec3& radiance, float lightPdf) {
+                    (depth == 0 ? result.direct : *channel) += throughput * radiance * powerHeuristic(pdf, lightPdf);
+                });
+        }
+        // What comes through the surface stays in its channel, whatever it is from.
         const auto addFound = [&](const glm::vec3& radiance, const glm::vec3& directShare) {
-            if (depth == 0) result.direct += throughput * radiance * directShare;
-            *channel += throughput * radiance * (depth == 0 ? 1.0f - directShare : glm::vec3(1));
+            const glm::vec3 share = depth == 0 && !passes ? directShare : glm::vec3(0);
+            result.direct += throughput * radiance * share;
+            *channel += throughput * radiance * (1.0f - share);
         };
         if (!found) {
             addFound(emitters.sky(direction) * powerHeuristic(pdf, emitters.pdfOfSky(direction)),
                      emitters.directShareOfSky(direction));
             break;
         }
-        // Looking up a material costs as much as a ray: not for paths that end here.
+        throughput *= glm::exp(-absorption * hit.distance);
+        // Looking up a material costs as much as a ray: not for paths that end here. Inside a medium radiance is less
+        // by its squared index, which the way out gives back.
         float survival = 1;
-        if (depth + 1 >= kRouletteDepth) survival = std::min(1.0f, maxComponent(throughput));
+        if (depth + 1 >= kRouletteDepth) survival = std::min(1.0f, maxComponent(throughput) * ior * ior);
         const bool ends = depth + 1 == maxDepth || u.w >= survival;
         if (ends && !emitters.shines(hit)) break;
         const Shading shading = geometry.shade(hit, -direction);
@@ -345,7 +485,8 @@ float PathTracer::Impl::openness(const Vertex& vertex, const Sampler& sampler, c
     const float reach = static_cast<float>(ao.distance * geometry.space().scale);
     const std::uint32_t seed = sampler.hashed(kOpennessRay);
     if (reach <= 0 || ao.falloff == AoFalloff::none)
-        return geometry.occluded(vertex.origin, direction, reach > 0 ? reach : kInfinity, seed) ? 0.0f : 1.0f;
+        return glm::dot(geometry.transmittance(vertex.origin, direction, reach > 0 ? reach : kInfinity, seed),
+                        glm::vec3(1.0f / 3));
     Hit hit;
     if (!geometry.intersect(Geometry::RayKind::light, vertex.origin, direction, 0, reach, seed, hit)) return 1;
     return openWeight(hit.distance, ao, reach);
@@ -394,6 +535,7 @@ ReferenceImages PathTracer::render(const Camera& camera, const Settings& setting
                 half.direct += glm::dvec3(light.direct);
                 half.diffuse += glm::dvec3(light.diffuse);
                 half.specular += glm::dvec3(light.specular);
+                half.transmission += glm::dvec3(light.transmission);
                 half.own += glm::dvec3(shading.emission);
                 sum.emission += glm::dvec3(shading.emission);
                 sum.albedo += glm::dvec3(shading.baseColor);
@@ -440,7 +582,7 @@ ReferenceImages PathTracer::render(const Camera& camera, const Settings& setting
     images.samples = 2 * cells * done;
 
     for (Image* image : {&images.beauty, &images.direct, &images.indirectDiffuse, &images.indirectSpecular,
-                         &images.emission, &images.albedo, &images.normal, &images.position})
+                         &images.transmission, &images.emission, &images.albedo, &images.normal, &images.position})
         *image = Image(view.width, view.height, 3);
     images.ao = Image(view.width, view.height, 1);
     images.depth = Image(view.width, view.height, 1);
@@ -454,6 +596,7 @@ ReferenceImages PathTracer::render(const Camera& camera, const Settings& setting
         setPixel(images.direct, k, total([](auto& s) { return s.direct; }));
         setPixel(images.indirectDiffuse, k, total([](auto& s) { return s.diffuse; }));
         setPixel(images.indirectSpecular, k, total([](auto& s) { return s.specular; }));
+        setPixel(images.transmission, k, total([](auto& s) { return s.transmission; }));
         setPixel(images.emission, k, glm::dvec3(sum.emission) / count);
         setPixel(images.albedo, k, glm::dvec3(sum.albedo) / count);
         setPixel(images.normal, k, glm::dvec3(sum.normal) / count);

@@ -18,16 +18,25 @@ namespace voxcone {
 ///  - `direct` is light from analytic lights (Scene::lights) straight to the visible surface, diffuse and specular; of
 ///    extracted ones (scene/extract.h) that of the panorama and the meshes that they stand for.
 ///    Everything else that arrives (sky, emitting surfaces, bounced light) is indirect: `indirectDiffuse` through the
-///    diffuse lobe, `indirectSpecular` through the specular lobe. beauty = direct + both + emission + background.
+///    diffuse lobe, `indirectSpecular` through the specular lobe. What comes through the visible surface from behind is
+///    `transmission`, but for analytic lights on a sheet's other side, which are `direct`. beauty = direct + both +
+///    transmission + emission + background.
 ///  - Pixel samples lie on the regular supersample² grid inside the pixel (pixel centre for 1).
 ///  - Nothing is clamped, so that nothing is biased. Light that a near-mirror throws from a point or directional
 ///    light on a wall therefore shows as few, bright pixels until there are many samples.
-///  - BLEND surfaces stop a ray with probability alpha. Transmission is not modelled.
+///  - BLEND surfaces stop a ray with probability alpha.
+///  - A transmitting closed body with a thickness is a solid: beams are refracted, and absorbed along their way. Its
+///    media do not nest: the last surface that was crossed says which one a beam is in. All else that transmits is a
+///    thin sheet, which bends nothing; a thickness then absorbs as if it were crossed straight.
+///  - Analytic lights shine straight through transmitting surfaces, dimmed by Fresnel reflection, tint and absorption;
+///    roughness and refraction do not scatter or bend their light, and transmitted beams do not meet them.
 ///
 /// Channels are means over a pixel's samples, background included (0, and 1 in ao); depth and position are means over
 /// the samples that hit something.
 struct ReferenceImages {
-    Image beauty, direct, indirectDiffuse, indirectSpecular, emission, albedo, normal;  ///< 3 channels, linear radiance
+    Image beauty, direct, indirectDiffuse, indirectSpecular, transmission, emission, albedo,
+        normal;       ///< 3 channels,
+                      ///< linear radiance
     Image ao, depth;  ///< 1 channel; ao is cosine-weighted openness; depth is view-space distance −z, 0 = background
     Image position;   ///< 3 channels, world space
     /// Standard error of the mean of beauty and of indirectDiffuse, as RMS over pixels relative to the mean value, from

@@ -1,5 +1,5 @@
 // The glTF 2.0 metallic-roughness BRDF (appendix B) with KHR_materials_ior and KHR_materials_specular. Twin of
-// shaders/shared/brdf.glsl: same names, same arithmetic.
+// shaders/shared/brdf.glsl: same names, same arithmetic; but for Transmission, whose rays only the path tracer follows.
 #pragma once
 
 #include <algorithm>
@@ -19,6 +19,15 @@ struct Surface {
     glm::vec3 f0{0};
     float f90 = 0;
     float alpha = 1;  ///< GGX width, kMinAlpha to 1
+};
+
+/// What of a material lets light through to its other side (KHR_materials_transmission, _volume and
+/// _diffuse_transmission), at one point.
+struct Transmission {
+    glm::vec3 color{0};         ///< share of the light that enters the surface and goes on as a beam
+    glm::vec3 diffuseColor{0};  ///< share that leaves on the other side as from a Lambert surface
+    float ior = 1;              ///< of the medium inside a solid; 1 for thin sheets, which bend nothing
+    glm::vec3 absorption{0};    ///< of the medium, 1/m
 };
 
 inline float maxComponent(const glm::vec3& v) {
@@ -52,6 +61,19 @@ inline glm::vec3 fresnel(const Surface& surface, float vDotH) {
 inline float diffuseTransmission(const Surface& surface, float vDotH) {
     const float f0 = maxComponent(surface.f0);
     return 1 - (f0 + (surface.f90 - f0) * schlickWeight(vDotH));
+}
+
+/// Fresnel reflectance for an eye at cosine `vDotH` inside a medium of index `ior`: that of the refracted direction,
+/// and 1 where there is none (total reflection).
+inline glm::vec3 fresnelFromInside(const Surface& surface, float ior, float vDotH) {
+    const float sine2 = ior * ior * (1 - vDotH * vDotH);
+    return sine2 >= 1 ? glm::vec3(1) : fresnel(surface, std::sqrt(1 - sine2));
+}
+
+/// Light of an analytic light that passes straight through a surface: neither bent nor scattered, by convention of both
+/// renderers. `cosine` between the light and the surface's normal.
+inline glm::vec3 straightTransmittance(const Surface& surface, const Transmission& transmission, float cosine) {
+    return transmission.color * diffuseTransmission(surface, cosine);
 }
 
 /// GGX distribution of normals. `nCrossH2` = |n × h|² keeps the precision that 1 − (n·h)² would lose on narrow lobes.

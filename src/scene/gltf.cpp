@@ -97,6 +97,14 @@ glm::dvec2 vec2In(const tinygltf::Value& object, const char* key, const glm::dve
     return {array.Get(0).GetNumberAsDouble(), array.Get(1).GetNumberAsDouble()};
 }
 
+/// White when absent.
+glm::vec3 colorIn(const tinygltf::Value& object, const char* key) {
+    glm::vec3 color(1);
+    if (object.Has(key))
+        for (int c = 0; c < 3; ++c) color[c] = static_cast<float>(object.Get(key).Get(c).GetNumberAsDouble());
+    return color;
+}
+
 /// Elements of one accessor, sparse values applied. The accessor was checked to lie within its buffers.
 class Accessor {
   public:
@@ -330,6 +338,22 @@ class Loader {
         out.normalTexture = slotOf(in.normalTexture);
         out.emissionTexture = slotOf(in.emissiveTexture);
         out.metallicRoughnessTexture = slotOf(pbr.metallicRoughnessTexture);
+        const auto slotIn = [&](const char* extension, const char* key) {
+            const auto it = in.extensions.find(extension);
+            if (it == in.extensions.end() || !it->second.Has(key)) return TextureSlot{};
+            const tinygltf::Value& info = it->second.Get(key);
+            tinygltf::ExtensionMap extensions;
+            if (info.Has("extensions"))
+                for (const std::string& name : info.Get("extensions").Keys())
+                    extensions[name] = info.Get("extensions").Get(name);
+            return slot(info.Get("index").GetNumberAsInt(), static_cast<int>(numberIn(info, "texCoord", 0)), extensions,
+                        sets);
+        };
+        out.transmissionTexture = slotIn("KHR_materials_transmission", "transmissionTexture");
+        out.diffuseTransmissionTexture = slotIn("KHR_materials_diffuse_transmission", "diffuseTransmissionTexture");
+        out.diffuseTransmissionColorTexture =
+            slotIn("KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture");
+        out.thicknessTexture = slotIn("KHR_materials_volume", "thicknessTexture");
         out.occlusionTexture = slotOf(in.occlusionTexture);
         uvSets_.push_back(sets);
 
@@ -339,13 +363,19 @@ class Loader {
                 out.emission *= static_cast<float>(numberIn(e, "emissiveStrength", 1));
             if (name == "KHR_materials_transmission")
                 out.transmission = static_cast<float>(numberIn(e, "transmissionFactor", 0));
+            if (name == "KHR_materials_volume") {
+                out.thickness = static_cast<float>(numberIn(e, "thicknessFactor", 0));
+                out.attenuationDistance = static_cast<float>(numberIn(e, "attenuationDistance", 0));
+                out.attenuationColor = colorIn(e, "attenuationColor");
+            }
+            if (name == "KHR_materials_diffuse_transmission") {
+                out.diffuseTransmission = static_cast<float>(numberIn(e, "diffuseTransmissionFactor", 0));
+                out.diffuseTransmissionColor = colorIn(e, "diffuseTransmissionColorFactor");
+            }
             if (name == "KHR_materials_ior") out.ior = static_cast<float>(numberIn(e, "ior", 1.5));
             if (name == "KHR_materials_specular") {
                 out.specularFactor = static_cast<float>(numberIn(e, "specularFactor", 1));
-                if (e.Has("specularColorFactor"))
-                    for (int c = 0; c < 3; ++c)
-                        out.specularColor[c] =
-                            static_cast<float>(e.Get("specularColorFactor").Get(c).GetNumberAsDouble());
+                out.specularColor = colorIn(e, "specularColorFactor");
             }
         }
         scene_.materials.push_back(out);

@@ -25,10 +25,16 @@ constexpr double kLargest = 1e18;
 // Exporters round: 1.0000001 is taken for 1.
 constexpr double kForgiven = 1e-3;
 
-const std::set<std::string> kSupportedExtensions = {"KHR_lights_punctual",        "KHR_materials_emissive_strength",
-                                                    "KHR_materials_ior",          "KHR_materials_specular",
-                                                    "KHR_materials_transmission", "KHR_materials_unlit",
-                                                    "KHR_mesh_quantization",      "KHR_texture_transform"};
+const std::set<std::string> kSupportedExtensions = {"KHR_lights_punctual",
+                                                    "KHR_materials_diffuse_transmission",
+                                                    "KHR_materials_emissive_strength",
+                                                    "KHR_materials_ior",
+                                                    "KHR_materials_specular",
+                                                    "KHR_materials_transmission",
+                                                    "KHR_materials_unlit",
+                                                    "KHR_materials_volume",
+                                                    "KHR_mesh_quantization",
+                                                    "KHR_texture_transform"};
 
 enum ComponentType { kByte = 5120, kUByte = 5121, kShort = 5122, kUShort = 5123, kUInt = 5125, kFloat = 5126 };
 
@@ -485,7 +491,20 @@ class Checker {
                                [](Object& e) { e.number("emissiveStrength", 1, 0); });
             material.extension("KHR_materials_transmission", [&](Object& e) {
                 e.number("transmissionFactor", 0, 0, 1);
-                if (e.has("transmissionTexture")) ignored_.insert("transmissionTexture");
+                checkTextureInfo(e, "transmissionTexture");
+            });
+            material.extension("KHR_materials_volume", [&](Object& e) {
+                e.number("thicknessFactor", 0, 0);
+                checkTextureInfo(e, "thicknessTexture");
+                if (e.has("attenuationDistance") && !(e.number("attenuationDistance", 1, 0) > 0))
+                    e.refuse("attenuationDistance", "is not above 0");
+                e.numbers("attenuationColor", 3, 0, 1);
+            });
+            material.extension("KHR_materials_diffuse_transmission", [&](Object& e) {
+                e.number("diffuseTransmissionFactor", 0, 0, 1);
+                checkTextureInfo(e, "diffuseTransmissionTexture");
+                e.numbers("diffuseTransmissionColorFactor", 3, 0, 1);
+                checkTextureInfo(e, "diffuseTransmissionColorTexture");
             });
             material.extension("KHR_materials_ior", [](Object& e) {
                 const double ior = e.number("ior", 1.5, 0);
@@ -498,7 +517,8 @@ class Checker {
                     ignored_.insert("textures of KHR_materials_specular");
             });
             material.keepExtensions({"KHR_materials_unlit", "KHR_materials_emissive_strength",
-                                     "KHR_materials_transmission", "KHR_materials_ior", "KHR_materials_specular"});
+                                     "KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_ior",
+                                     "KHR_materials_diffuse_transmission", "KHR_materials_specular"});
         });
     }
 

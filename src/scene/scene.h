@@ -55,9 +55,19 @@ struct Material {
     AlphaMode alphaMode = AlphaMode::opaque;
     float alphaCutoff = 0.5f;
     bool doubleSided = false;
-    bool unlit = false;          ///< KHR_materials_unlit: base colour is emitted as is, nothing is reflected
-    float transmission = 0;      ///< KHR_materials_transmission factor (stored)
-    float ior = 1.5f;            ///< KHR_materials_ior; F0 = ((ior−1)/(ior+1))²
+    bool unlit = false;  ///< KHR_materials_unlit: base colour is emitted as is, nothing is reflected
+    float transmission =
+        0;  ///< KHR_materials_transmission: share of light that the base lets through, tinted by baseColor
+    TextureSlot transmissionTexture;  ///< linear; R scales it
+    float thickness = 0;              ///< KHR_materials_volume, metres in the mesh's space; 0 = thin sheet
+    TextureSlot thicknessTexture;     ///< linear; G scales it
+    float attenuationDistance = 0;    ///< metres after which light has attenuationColor left; 0 = clear
+    glm::vec3 attenuationColor{1};
+    float diffuseTransmission = 0;  ///< KHR_materials_diffuse_transmission: share of diffuse light that leaves behind
+    TextureSlot diffuseTransmissionTexture;  ///< linear; A scales it
+    glm::vec3 diffuseTransmissionColor{1};
+    TextureSlot diffuseTransmissionColorTexture;  ///< sRGB
+    float ior = 1.5f;                             ///< KHR_materials_ior; F0 = ((ior−1)/(ior+1))²
     float specularFactor = 1;    ///< KHR_materials_specular: scales dielectric F0 and F90; 0 = pure Lambert
     glm::vec3 specularColor{1};  ///< KHR_materials_specular: tints dielectric F0
     /// glTF extras "voxcone_matter".
@@ -67,6 +77,14 @@ struct Material {
     bool extracted = false;
 
     bool emits() const { return emission.x > 0 || emission.y > 0 || emission.z > 0; }
+    /// Some light passes through the surface, by either kind of transmission.
+    bool transmits() const { return !unlit && metallic < 1 && (transmission > 0 || diffuseTransmission > 0); }
+    /// Beer-Lambert coefficient of the medium inside, 1/m: light keeps exp(−absorption·distance). A colour of 0 counts
+    /// as a millionth.
+    glm::vec3 absorption() const {
+        if (attenuationDistance <= 0) return glm::vec3(0);
+        return -glm::log(glm::max(attenuationColor, glm::vec3(1e-6f))) / attenuationDistance;
+    }
 };
 
 /// What a weight of 1 adds to a mesh's vertices (glTF morph target). Arrays have the size of Mesh::positions, or are

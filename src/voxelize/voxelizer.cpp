@@ -98,6 +98,7 @@ gl::Buffer grown(const gl::Buffer& old, std::size_t bytes) {
 Voxelizer::Voxelizer(const gl::Context& context, const gl::ShaderLibrary& shaders, const gl::GpuScene& scene,
                      const Settings& settings)
     : settings_(settings.voxel),
+      sheetGain_(settings.cone.compositing == Compositing::linear ? static_cast<float>(settings.cone.gain) : 1.0f),
       maxStorageBytes_(context.info().maxSsboBytes),
       maxRecordBytes_(maxStorageBytes_),
       emission_(scene.anyEmissionToCones()),
@@ -283,6 +284,7 @@ void Voxelizer::accumulate(const gl::GpuScene& scene, const std::vector<Region>&
         accumulate_.set("u_firstRecord", first + done);
         accumulate_.set("u_recordCount", part);
         accumulate_.set("u_emissionUnit", emissionUnit_);
+        accumulate_.set("u_sheetGain", sheetGain_);
         for (const Region& region : regions)
             draw(accumulate_, scene, region, moving, voxels, gl::TextureFiltering::isotropic);
         gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);

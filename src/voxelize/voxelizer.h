@@ -41,6 +41,8 @@ class Voxelizer {
     void reserve(std::uint32_t records, Voxels& voxels) const;
 
     Settings::Voxel settings_;
+    float
+        sheetGain_;  ///< times the coverage of a sheet that a cone crosses is what it stops, as far as that is below 1
     std::int64_t maxStorageBytes_, maxRecordBytes_;
     bool emission_, layers_, leaves_;
     float emissionUnit_ = 0;

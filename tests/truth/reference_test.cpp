@@ -750,5 +750,135 @@ TEST(Pictures, EmptySceneShowsTheSky) {
     EXPECT_EQ(last, 1);
 }
 
+// T: light through matter.
+
+/// Passes all light that its specular lobe does not reflect.
+Material glass(float roughness, float ior, float thickness = 0) {
+    Material material = glossy(glm::vec3(1), 0, roughness);
+    material.transmission = 1;
+    material.ior = ior;
+    material.thickness = thickness;
+    return material;
+}
+
+/// Straight down at the origin from a height of 5, within a degree.
+ReferenceImages lookDown(const Scene& scene, int samples = 64) {
+    return PathTracer(scene).render(camera({0, 5, 0}, {0, 0, 0}, 1, {0, 0, -1}), withSamples(samples));
+}
+
+TEST(Transmission, GlassUnderUniformLightCannotBeSeen) {
+    const auto beauty = [](const Mesh& mesh, const Material& material) {
+        const Scene scene = oneObject(mesh, material, rotation(30, {1, 2, 3}), glm::vec3(1));
+        return meanOf(PathTracer(scene).render(camera({0, 0, 4}, {0, 0, 0}, 30), withSamples(256)).beauty).x;
+    };
+    EXPECT_NEAR(beauty(box({1, 1, 1}), glass(0, 1.5f, 1)), 1, 3e-3);
+    EXPECT_NEAR(beauty(box({1, 1, 1}), glass(0, 2.4f, 1)), 1, 1e-2) << "much is totally reflected";
+    EXPECT_NEAR(beauty(sphere(1, 5), glass(0, 1.5f, 1)), 1, 1e-2);
+    EXPECT_NEAR(beauty(quad(2, 2), glass(0, 1.5f)), 1, 3e-3);
+    // Light that a rough surface scatters twice is lost to the model.
+    const double rough = beauty(sphere(1, 5), glass(0.3f, 1.5f, 1));
+    EXPECT_LT(rough, 1.005);
+    EXPECT_GT(rough, 0.95);
+}
+
+TEST(Transmission, FresnelAtNormalIncidence) {
+    Material sheet = glass(0, 2.0f);  // reflects 1/9
+    sheet.baseColor = {0.5f, 0.25f, 1, 1};
+    const ReferenceImages images = lookDown(oneObject(quad(2, 2), sheet, glm::dmat4(1), glm::vec3(1)), 1024);
+    EXPECT_NEAR(meanOf(images.transmission).x, 0.5 * 8 / 9, 4e-3);
+    EXPECT_NEAR(meanOf(images.transmission).y, 0.25 * 8 / 9, 4e-3);
+    EXPECT_NEAR(meanOf(images.transmission).z, 8.0 / 9, 6e-3);
+    EXPECT_NEAR(meanOf(images.indirectSpecular).x, 1.0 / 9, 4e-3);
+    EXPECT_EQ(meanOf(images.indirectDiffuse).x, 0);
+}
+
+TEST(Transmission, SlabsAbsorbByBeersLaw) {
+    // After a metre half is left, so after 2 m a quarter; between the faces light goes to and fro.
+    Material slab = glass(0, 1.5f, 2);
+    slab.attenuationColor = {0.5f, 1, 0};
+    slab.attenuationDistance = 1;
+    for (const double far : {20.0, 20000.0}) {  // in a larger scene the unit of tracing is another
+        const Scene scene = SceneBuilder()
+                                .add(box({8, 2, 8}), slab)
+                                .add(quad(1, 1), lambert(0.0f), translation({far, 0, 0}))
+                                .sky(glm::vec3(1))
+                                .build();
+        const glm::dvec3 transmission = meanOf(lookDown(scene, 1024).transmission);
+        const double r = 0.04;
+        const auto expected = [&](double left) { return (1 - r) * (1 - r) * left / (1 - r * left); };
+        EXPECT_NEAR(transmission.x, expected(0.25), 4e-3);
+        EXPECT_NEAR(transmission.y, expected(1), 4e-3);
+        EXPECT_NEAR(transmission.z, 0, 1e-3);
+    }
+    const Scene open = oneObject(quad(8, 8), slab, scaling({2, 2, 2}), glm::vec3(1));
+    EXPECT_NEAR(meanOf(lookDown(open, 1024).transmission).x, 0.96 / 16, 1e-3)
+        << "a sheet of thickness 2 m, twice as large";
+}
+
+TEST(Transmission, RefractionFollowsSnell) {
+    // A dark plate below a slab is seen where refraction puts it, and not where the straight way leads.
+    const double tilt = 45, ior = 1.5, thickness = 1;
+    const double inside = std::asin(std::sin(glm::radians(tilt)) / ior);
+    const double there = std::tan(inside) * thickness;  // from where the ray enters, one below
+    const auto seen = [&](double place) {
+        SceneBuilder builder;
+        builder.add(box({20, thickness, 20}), glass(0, 1.5f, 1), translation({0, -thickness / 2, 0}))
+            .add(quad(0.1, 0.1), lambert(0.0f, 1.0f), translation({place, -thickness - 1e-3, 0}));
+        const Camera oblique = camera({-3, 3, 0}, {0, 0, 0}, 0.5);
+        return meanOf(PathTracer(builder.build()).render(oblique, withSamples(64)).transmission).x;
+    };
+    EXPECT_GT(seen(there), 0.8);
+    EXPECT_NEAR(seen(thickness), 0, 0.02);
+}
+
+TEST(Transmission, SheetsScatterToTheOtherSide) {
+    Material leaf = lambert(0.8f);
+    leaf.diffuseTransmission = 0.25f;
+    leaf.diffuseTransmissionColor = {0.5f, 1, 0.2f};
+    leaf.doubleSided = true;
+    Light sun;
+    sun.type = LightType::directional;
+    sun.direction = {0, 1, 0};  // from below
+    sun.intensity = glm::vec3(2);
+    const Scene lit = SceneBuilder().add(quad(4, 4), leaf).light(sun).build();
+    EXPECT_NEAR(meanOf(lookDown(lit).direct).x, 2 * 0.25 * 0.5 / kPi, 1e-4);
+    EXPECT_NEAR(meanOf(lookDown(lit).direct).y, 2 * 0.25 / kPi, 1e-4);
+    EXPECT_EQ(meanOf(lookDown(lit).transmission).x, 0);
+    const ReferenceImages sky = lookDown(oneObject(quad(4, 4), leaf, glm::dmat4(1), glm::vec3(1)), 1024);
+    EXPECT_NEAR(meanOf(sky.transmission).x, 0.25 * 0.5, 2e-3);
+    EXPECT_NEAR(meanOf(sky.indirectDiffuse).x, 0.75 * 0.8, 4e-3);
+    // An emitter behind, found by its own samples and by the lobe's: form factor of row C4.
+    const Scene lamp =
+        SceneBuilder().add(quad(4, 4), leaf).add(disc(1), lambert(0.0f, 1.0f), translation({0, -1, 0})).build();
+    EXPECT_NEAR(meanOf(lookDown(lamp, 4096).transmission).y, 0.25 * 0.5, 2e-3);
+}
+
+TEST(Transmission, AnalyticLightsShineStraightThrough) {
+    Light sun;
+    sun.type = LightType::directional;
+    sun.direction = {0, -1, 0};
+    sun.intensity = glm::vec3(1);
+    Material tinted = glass(0.5f, 1.5f);
+    tinted.baseColor = {0.5f, 1, 1, 1};
+    const auto below = [&](const Mesh& mesh, const Material& material, const Light& light) {
+        const Scene scene = SceneBuilder().add(mesh, material, translation({0, 1, 0})).light(light).build();
+        return probeAt(scene, {0, 0, 0}).directIrradiance;
+    };
+    EXPECT_NEAR(below(quad(4, 4), tinted, sun).x, 0.96 * 0.5, 1e-4);
+    EXPECT_NEAR(below(quad(4, 4), tinted, sun).y, 0.96, 1e-4);
+    tinted.thickness = 1;
+    tinted.attenuationColor = {1, 0.5f, 1};
+    tinted.attenuationDistance = 1;
+    EXPECT_NEAR(below(box({4, 0.5, 4}), tinted, sun).x, 0.96 * 0.96 * 0.25, 1e-4);
+    EXPECT_NEAR(below(box({4, 0.5, 4}), tinted, sun).y, 0.96 * 0.96 * std::sqrt(0.5), 1e-4);
+    // The same of an area light as of its samples alone: no lobe counts it again.
+    const Light lamp = ceilingLight({0, 3, 0}, 0.2, 0.2, 25);
+    const double open =
+        probeAt(SceneBuilder().add(quad(0.01, 0.01), lambert(0.0f), translation({9, 0, 0})).light(lamp).build(),
+                {0, 0, 0})
+            .directIrradiance.x;
+    EXPECT_NEAR(below(quad(4, 4), glass(0, 1.5f), lamp).x, 0.96 * open, 2e-3 * open);
+}
+
 }  // namespace
 }  // namespace voxcone

@@ -188,6 +188,10 @@ TEST_F(GltfTest, MaterialsWithTheirExtensions) {
           {{"KHR_materials_emissive_strength", {{"emissiveStrength", 10}}},
            {"KHR_materials_unlit", json::object()},
            {"KHR_materials_transmission", {{"transmissionFactor", 0.8}}},
+           {"KHR_materials_volume",
+            {{"thicknessFactor", 0.5}, {"attenuationDistance", 2}, {"attenuationColor", {1, 0.5, 0}}}},
+           {"KHR_materials_diffuse_transmission",
+            {{"diffuseTransmissionFactor", 0.3}, {"diffuseTransmissionColorFactor", {0.2, 0.4, 0.6}}}},
            {"KHR_materials_ior", {{"ior", 1.33}}},
            {"KHR_materials_specular", {{"specularFactor", 0.25}, {"specularColorFactor", {1, 0.5, 0.25}}}}}}});
     builder.append("materials", {{"alphaMode", "BLEND"}});
@@ -203,11 +207,44 @@ TEST_F(GltfTest, MaterialsWithTheirExtensions) {
     EXPECT_TRUE(m.doubleSided);
     EXPECT_TRUE(m.unlit);
     EXPECT_FLOAT_EQ(m.transmission, 0.8f);
+    EXPECT_FLOAT_EQ(m.thickness, 0.5f);
+    EXPECT_EQ(m.attenuationColor, glm::vec3(1, 0.5, 0));
+    EXPECT_FLOAT_EQ(m.absorption().x, 0);
+    EXPECT_FLOAT_EQ(m.absorption().y, std::log(2.0f) / 2) << "half is left after two metres";
+    EXPECT_TRUE(std::isfinite(m.absorption().z));
+    EXPECT_FLOAT_EQ(m.diffuseTransmission, 0.3f);
+    expectNear(m.diffuseTransmissionColor, glm::vec3(0.2, 0.4, 0.6));
     EXPECT_FLOAT_EQ(m.ior, 1.33f);
     EXPECT_FLOAT_EQ(m.specularFactor, 0.25f);
     EXPECT_EQ(m.specularColor, glm::vec3(1, 0.5, 0.25));
     EXPECT_EQ(scene.materials.at(1).alphaMode, AlphaMode::blend);
     EXPECT_EQ(scene.materials[1].metallic, 1.0f);
+    EXPECT_EQ(scene.materials[1].absorption(), glm::vec3(0));
+    EXPECT_FALSE(scene.materials[1].transmits());
+}
+
+TEST_F(GltfTest, TransmissionHasItsTextures) {
+    const json red = builder.redTexture();
+    const json turned = {{"KHR_texture_transform", {{"offset", {0.25, 0.5}}}}};
+    builder.append(
+        "materials",
+        {{"extensions",
+          {{"KHR_materials_transmission",
+            {{"transmissionFactor", 1}, {"transmissionTexture", {{"index", red}, {"extensions", turned}}}}},
+           {"KHR_materials_volume", {{"thicknessFactor", 1}, {"thicknessTexture", {{"index", red}, {"texCoord", 1}}}}},
+           {"KHR_materials_diffuse_transmission",
+            {{"diffuseTransmissionTexture", {{"index", red}}},
+             {"diffuseTransmissionColorTexture", {{"index", red}}}}}}}});
+    const Material m = load().materials.at(0);
+    EXPECT_EQ(m.transmissionTexture.texture, 0);
+    EXPECT_EQ(m.transmissionTexture.uvTransform[2], glm::vec2(0.25, 0.5));
+    EXPECT_EQ(m.transmissionTexture.texCoord, 0);
+    EXPECT_EQ(m.thicknessTexture.texture, 0);
+    EXPECT_EQ(m.thicknessTexture.texCoord, 1);
+    EXPECT_EQ(m.diffuseTransmissionTexture.texture, 0);
+    EXPECT_EQ(m.diffuseTransmissionColorTexture.texture, 0);
+    EXPECT_EQ(m.metallic, 1) << "the default, which no light passes through";
+    EXPECT_FALSE(m.transmits());
 }
 
 TEST_F(GltfTest, ExtrasSayWhatLeavesAre) {

@@ -290,6 +290,23 @@ TEST_F(MalformedTest, MaterialsLightsAndCameras) {
     refused("materials[0].extras.voxcone_matter", "is not a string");
     builder.json["materials"] = json::array({{{"extensions", {{"KHR_materials_ior", {{"ior", 0.5}}}}}}});
     refused("materials[0].extensions.KHR_materials_ior.ior", "0.5");
+    const auto extension = [&](const char* name, const json& value) {
+        builder.json["materials"] = json::array({{{"extensions", {{name, value}}}}});
+    };
+    extension("KHR_materials_transmission", {{"transmissionFactor", 2}});
+    refused("materials[0].extensions.KHR_materials_transmission.transmissionFactor", "outside [0, 1]");
+    extension("KHR_materials_transmission", {{"transmissionTexture", {{"index", 7}}}});
+    refused("materials[0].extensions.KHR_materials_transmission.transmissionTexture.index", "is 7");
+    extension("KHR_materials_volume", {{"thicknessFactor", -1}});
+    refused("materials[0].extensions.KHR_materials_volume.thicknessFactor", "is -1");
+    extension("KHR_materials_volume", {{"attenuationDistance", 0}});
+    refused("materials[0].extensions.KHR_materials_volume.attenuationDistance", "not above 0");
+    extension("KHR_materials_volume", {{"attenuationColor", {1, 1}}});
+    refused("materials[0].extensions.KHR_materials_volume.attenuationColor", "array of 3 numbers");
+    extension("KHR_materials_diffuse_transmission", {{"diffuseTransmissionFactor", "half"}});
+    refused("materials[0].extensions.KHR_materials_diffuse_transmission.diffuseTransmissionFactor", "not a number");
+    extension("KHR_materials_diffuse_transmission", {{"diffuseTransmissionColorFactor", {1, 1, 2}}});
+    refused("materials[0].extensions.KHR_materials_diffuse_transmission.diffuseTransmissionColorFactor[2]", "is 2");
     // Rounding of an exporter is no reason.
     builder.json["materials"] = json::array({{{"pbrMetallicRoughness", {{"roughnessFactor", 1.0000001}}}}});
     EXPECT_EQ(loadGltf(builder.write(folder)).materials.at(0).roughness, 1.0f);

@@ -12,7 +12,7 @@ layout(std430, binding = PLACE_STORAGE) readonly buffer Places { uint b_places[]
 layout(std430, binding = COVERAGE_STORAGE) readonly buffer Coverage { uvec2 b_coverage[]; };
 layout(std430, binding = LIT_STORAGE) readonly buffer Direct { uint b_direct[]; };
 #if MEASURE
-layout(std430, binding = LIST_STORAGE) writeonly buffer List { uint b_list[]; };
+layout(std430, binding = LIST_STORAGE) writeonly buffer List { uvec2 b_list[]; };  // face, and what it gathers in a bounce
 #else
 layout(std430, binding = LIST_STORAGE) readonly buffer List { uint b_list[]; };
 uniform bool u_listed;  // the slots of the list; else the first ones
@@ -48,7 +48,7 @@ void main() {
         if (share == 0.0) continue;
         if (level < u_levels - 1) break;
         vec3 radiance = unpackRgb9e5(b_direct[index]);
-        b_list[atomicAdd(b_activeFaces, 1u)] = index;
+        b_list[atomicAdd(b_activeFaces, 1u)] = uvec2(index, 0u);
         // Floats that are not negative compare like their bits.
         atomicMax(b_brightest, floatBitsToUint(max(radiance.r, max(radiance.g, radiance.b))));
 #else

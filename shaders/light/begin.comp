@@ -4,6 +4,7 @@
 #include "cascade/clipmap.glsl"
 #include "cascade/records.glsl"
 #include "shared/rgb9e5.glsl"
+#include "light/dither.glsl"
 layout(local_size_x = 64) in;
 
 uniform uint u_slotCount;
@@ -57,7 +58,7 @@ void main() {
             radiance = u_inverseRadianceScale * unpackRgb9e5(b_direct[index]) +
                        unpackAlbedo(b_faces[index].albedo) * unpackHalf3(b_gathered[index]);
         if (u_count && any(greaterThan(radiance, vec3(kMostHalf)))) atomicAdd(b_clamped, 1u);
-        radiance = min(radiance, vec3(kMostHalf));
+        radiance = ditherToHalf(min(radiance, vec3(kMostHalf)), faceHash(place, uint(f)));
         b_radiance[index] = uvec2(packHalf2x16(radiance.rg), packHalf2x16(vec2(radiance.b, share)));
 #endif
     }

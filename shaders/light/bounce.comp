@@ -3,6 +3,7 @@
 #include "cascade/buffers.glsl"
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
+#include "light/dither.glsl"
 #include "cone/sky.glsl"
 #include "cone/trace.glsl"
 #include "cone/cone_set.glsl"
@@ -43,8 +44,9 @@ void main() {
     }
     gathered /= u_radianceScale;
     vec3 more = gathered - unpackHalf3(b_gathered[index]);
-    b_gathered[index] = packHalf3(min(gathered, vec3(kMostHalf)));
-    b_list[item].y = packRgb9e5(more);
+    uint hash = faceHash(place, index % 6u);
+    b_gathered[index] = packHalf3(ditherToHalf(min(gathered, vec3(kMostHalf)), hash >> 13));
+    b_list[item].y = packRgb9e5(more * (1.0 + (float(hash >> 26) - 31.5) / (64.0 * 384.0)));
     // What the face reflects of it, by area: the coverage of a surface along an axis is its area times that of its normal,
     // and so the squares of the normal share the area among the axes. Integer sums do not depend on the order of the
     // faces; a high word takes carries and signs.

@@ -80,7 +80,7 @@ struct Settings {
     } ao;
     struct Shadow {
         bool cones = false;
-        int coneCount = 8;
+        int coneCount = 16;
     } shadow;
     struct Reference {
         int samples = 256;

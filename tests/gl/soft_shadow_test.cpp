@@ -54,7 +54,7 @@ void eachFloorPixel(const Scene& scene, const Settings& settings, Visit visit) {
     for (int y = 0; y < shadow.height; ++y)
         for (int x = 0; x < shadow.width; ++x) {
             const float* p = place.pixel(x, y);
-            if (std::abs(p[1]) < 1e-3 && std::abs(p[0]) < 1.5 && std::abs(p[2]) < 1.5)
+            if (p[0] != 0 && std::abs(p[1]) < 1e-3 && std::abs(p[0]) < 1.5 && std::abs(p[2]) < 1.5)
                 visit(glm::dvec3(p[0], p[1], p[2]), *shadow.pixel(x, y));
         }
 }
@@ -72,29 +72,74 @@ Settings softShadows(int resolution) {
 
 class SoftShadow : public GlTest {};
 
-TEST_F(SoftShadow, Measure) {
-    for (const int cones : {1, 4, 8, 16})
-        for (const double cap : {12.0, 1.0})
-            for (const double gain : {1.65}) {
-                fmt::print("cones {:2} cap {} gain {}:", cones, cap, gain);
-                for (const double radius : {0.25, 0.5, 1.0}) {
-                    Settings settings = softShadows(128);
-                    settings.shadow.coneCount = cones;
-                    settings.cone.footprintCap = cap;
-                    settings.cone.gain = gain;
-                    Errors errors;
-                    eachFloorPixel(
-                        edgeScene(sphereLight({0, 3, 0}, radius), 1), settings, [&](const glm::dvec3& p, double seen) {
-                            const glm::dvec3 normal = glm::normalize(glm::dvec3(1, p.x, 0));
-                            const double t = std::clamp(glm::dot(normal, glm::dvec3(0, 3, 0) - p) / radius, -1.0, 1.0);
-                            errors.add(seen - (0.5 + (t * std::sqrt(1 - t * t) + std::asin(t)) / kPi));
-                        });
-                    fmt::print("  r {} ({} px): rmse {:.4f} bias {:+.4f} worst {:.3f}", radius, errors.count,
-                               errors.rms(), errors.mean(), errors.worst);
-                }
-                fmt::print("\n");
-                fflush(stdout);
-            }
+/// Share of a disc that is seen past a straight edge, which is `t` of its radius beyond the centre.
+double pastEdge(double t) {
+    t = std::clamp(t, -1.0, 1.0);
+    return 0.5 + (t * std::sqrt(1 - t * t) + std::asin(t)) / kPi;
+}
+
+TEST_F(SoftShadow, EdgeBeforeASphereIsK1) {
+    for (const double radius : {0.25, 0.5, 1.0}) {
+        const glm::dvec3 center(0, 3, 0);
+        Errors errors;
+        eachFloorPixel(edgeScene(sphereLight(center, radius), 1), softShadows(128),
+                       [&](const glm::dvec3& p, double seen) {
+                           // The plane through p and the edge cuts the sphere's outline at its distance to the centre.
+                           const glm::dvec3 normal = glm::normalize(glm::dvec3(1, p.x, 0));
+                           errors.add(seen - pastEdge(glm::dot(normal, center - p) / radius));
+                       });
+        fmt::print("K1, radius {}: RMSE {:.4f} bias {:+.4f} worst {:.3f} of {} pixels\n", radius, errors.rms(),
+                   errors.mean(), errors.worst, errors.count);
+        EXPECT_GT(errors.count, 500);
+        EXPECT_LE(errors.rms(), 0.05) << radius;
+    }
+}
+
+TEST_F(SoftShadow, PenumbraIsAsWideAsK2) {
+    for (const double radius : {0.25, 0.5}) {
+        // Light 2 above the edge, floor 1 below it: the penumbra is half as wide as the light. Its area on the dark
+        // side and what is missing on the bright side are those of the disc's profile, each 2/(3π) of the half-width.
+        double dark = 0, bright = 0, weight = 0;
+        constexpr int kBins = 30;
+        double sums[2 * kBins] = {};
+        int counts[2 * kBins] = {};
+        eachFloorPixel(edgeScene(sphereLight({0, 3, 0}, radius), 1), softShadows(128),
+                       [&](const glm::dvec3& p, double seen) {
+                           if (std::abs(p.z) > 0.4) return;
+                           const int bin = static_cast<int>(std::floor(p.x * 20)) + kBins;
+                           if (bin < 0 || bin >= 2 * kBins) return;
+                           sums[bin] += seen, ++counts[bin];
+                       });
+        for (int bin = 0; bin < 2 * kBins; ++bin) {
+            if (counts[bin] == 0) continue;
+            weight += 1;
+            (bin < kBins ? dark : bright) +=
+                0.05 * (bin < kBins ? sums[bin] / counts[bin] : 1 - sums[bin] / counts[bin]);
+        }
+        ASSERT_GT(weight, kBins);
+        const double width = 2 * (dark + bright) / 2 * (3 * kPi / 2);
+        fmt::print("K2, light of size {}: penumbra {:.3f} of {:.3f}\n", 2 * radius, width, radius);
+        EXPECT_NEAR(width / radius, 1, 0.15) << radius;
+    }
+}
+
+TEST_F(SoftShadow, LightsCountByTheirIrradiance) {
+    // Two points of light: one is hidden by the sheet, the other shines below it.
+    Light hidden = sphereLight({-1, 3, 0}, 0), open = sphereLight({3, 0.8, 0}, 0);
+    hidden.type = open.type = LightType::point;
+    Scene scene = edgeScene(hidden, 1);
+    scene.lights.push_back(open);
+    int count = 0;
+    eachFloorPixel(scene, softShadows(64), [&](const glm::dvec3& p, double seen) {
+        if (p.x > -0.4 || std::abs(p.z) > 0.5) return;
+        const auto irradiance = [&](const Light& light) {
+            const glm::dvec3 d = light.position - p;
+            return d.y / std::pow(glm::length(d), 3);
+        };
+        EXPECT_NEAR(seen, irradiance(open) / (irradiance(open) + irradiance(hidden)), 0.05);
+        ++count;
+    });
+    EXPECT_GT(count, 20);
 }
 
 }  // namespace

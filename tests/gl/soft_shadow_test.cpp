@@ -97,26 +97,23 @@ TEST_F(SoftShadow, EdgeBeforeASphereIsK1) {
 
 TEST_F(SoftShadow, PenumbraIsAsWideAsK2) {
     for (const double radius : {0.25, 0.5}) {
-        // Light 2 above the edge, floor 1 below it: the penumbra is half as wide as the light. Its area on the dark
-        // side and what is missing on the bright side are those of the disc's profile, each 2/(3π) of the half-width.
-        double dark = 0, bright = 0, weight = 0;
-        constexpr int kBins = 30;
+        // Light 2 above the edge, floor 1 below it: the penumbra is half as wide as the light. What is seen on the dark
+        // side and what is missing on the bright side are each 2/(3π) of its half-width, by the disc's profile.
+        double dark = 0, bright = 0;
+        constexpr int kBins = 8;
         double sums[2 * kBins] = {};
         int counts[2 * kBins] = {};
         eachFloorPixel(edgeScene(sphereLight({0, 3, 0}, radius), 1), softShadows(128),
                        [&](const glm::dvec3& p, double seen) {
-                           if (std::abs(p.z) > 0.4) return;
                            const int bin = static_cast<int>(std::floor(p.x * 20)) + kBins;
                            if (bin < 0 || bin >= 2 * kBins) return;
                            sums[bin] += seen, ++counts[bin];
                        });
         for (int bin = 0; bin < 2 * kBins; ++bin) {
-            if (counts[bin] == 0) continue;
-            weight += 1;
+            ASSERT_GT(counts[bin], 0) << bin;
             (bin < kBins ? dark : bright) +=
                 0.05 * (bin < kBins ? sums[bin] / counts[bin] : 1 - sums[bin] / counts[bin]);
         }
-        ASSERT_GT(weight, kBins);
         const double width = 2 * (dark + bright) / 2 * (3 * kPi / 2);
         fmt::print("K2, light of size {}: penumbra {:.3f} of {:.3f}\n", 2 * radius, width, radius);
         EXPECT_NEAR(width / radius, 1, 0.15) << radius;

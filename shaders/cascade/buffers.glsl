@@ -16,7 +16,8 @@
 #define RADIANCE_STORAGE 1
 #define LIT_STORAGE 2
 #define GATHERED_STORAGE 4
-#define TRACED_MATTER_STORAGE 2  // where LIT_STORAGE is not needed
+#define TRACED_STORAGE 7    // coverage that the near field of cones meets, or with leaves b_matter
+#define BOUNCED_STORAGE 2   // coverage of the faces that gather
 
 // In the order of VoxelCounters.
 #define VOXEL_COUNTERS                                                                                           \

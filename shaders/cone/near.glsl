@@ -85,11 +85,7 @@ void meetFace(uint slot, int f, uvec2 coverages, vec3 o, vec3 d, vec3 ownNormal,
 
 void meetRecord(uint mark, vec3 o, vec3 d, vec3 ownNormal, vec2 range, inout NearHit hit) {
     if (mark == 0u) return;
-#if LEAVES
-    uvec2 coverages = b_matter[mark - 1u].xy;  // leaves are no planes
-#else
-    uvec2 coverages = b_coverage[mark - 1u];
-#endif
+    uvec2 coverages = b_traced[mark - 1u].xy;  // without leaves, which are no planes
     // Written out: see traceConeTo.
     meetFace(mark - 1u, 0, coverages, o, d, ownNormal, range, hit);
     meetFace(mark - 1u, 1, coverages, o, d, ownNormal, range, hit);

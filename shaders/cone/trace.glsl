@@ -248,9 +248,10 @@ Crossing crossingAt(Cone cone, vec3 x, float height, float diameter, float lod) 
 
 #if NEAR_FIELD
 layout(std430, binding = FACE_STORAGE) readonly buffer Faces { FaceRecord b_faces[]; };
-layout(std430, binding = COVERAGE_STORAGE) readonly buffer Coverage { uvec2 b_coverage[]; };
 #if LEAVES
-layout(std430, binding = TRACED_MATTER_STORAGE) readonly buffer MatterBlock { uvec4 b_matter[]; };
+layout(std430, binding = TRACED_STORAGE) readonly buffer Traced { uvec4 b_traced[]; };
+#else
+layout(std430, binding = TRACED_STORAGE) readonly buffer Traced { uvec2 b_traced[]; };
 #endif
 #include "cone/near.glsl"
 #endif

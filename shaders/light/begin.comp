@@ -4,6 +4,7 @@
 #include "cascade/clipmap.glsl"
 #include "cascade/records.glsl"
 #include "shared/rgb9e5.glsl"
+#include "light/dither.glsl"
 layout(local_size_x = 64) in;
 
 uniform uint u_slotCount;
@@ -12,7 +13,7 @@ layout(std430, binding = PLACE_STORAGE) readonly buffer Places { uint b_places[]
 layout(std430, binding = COVERAGE_STORAGE) readonly buffer Coverage { uvec2 b_coverage[]; };
 layout(std430, binding = LIT_STORAGE) readonly buffer Direct { uint b_direct[]; };
 #if MEASURE
-layout(std430, binding = LIST_STORAGE) writeonly buffer List { uint b_list[]; };
+layout(std430, binding = LIST_STORAGE) writeonly buffer List { uvec2 b_list[]; };  // face, and what it gathers in a bounce
 #else
 layout(std430, binding = LIST_STORAGE) readonly buffer List { uint b_list[]; };
 uniform bool u_listed;  // the slots of the list; else the first ones
@@ -48,7 +49,7 @@ void main() {
         if (share == 0.0) continue;
         if (level < u_levels - 1) break;
         vec3 radiance = unpackRgb9e5(b_direct[index]);
-        b_list[atomicAdd(b_activeFaces, 1u)] = index;
+        b_list[atomicAdd(b_activeFaces, 1u)] = uvec2(index, 0u);
         // Floats that are not negative compare like their bits.
         atomicMax(b_brightest, floatBitsToUint(max(radiance.r, max(radiance.g, radiance.b))));
 #else
@@ -57,7 +58,7 @@ void main() {
             radiance = u_inverseRadianceScale * unpackRgb9e5(b_direct[index]) +
                        unpackAlbedo(b_faces[index].albedo) * unpackHalf3(b_gathered[index]);
         if (u_count && any(greaterThan(radiance, vec3(kMostHalf)))) atomicAdd(b_clamped, 1u);
-        radiance = min(radiance, vec3(kMostHalf));
+        radiance = ditherToHalf(min(radiance, vec3(kMostHalf)), faceHash(place, uint(f)));
         b_radiance[index] = uvec2(packHalf2x16(radiance.rg), packHalf2x16(vec2(radiance.b, share)));
 #endif
     }

@@ -25,7 +25,8 @@ enum VoxelStorageBlock : int {
     kRadianceStorage = 1,
     kLitStorage = 2,
     kGatheredStorage = 4,
-    kTracedMatterStorage = 2,  // where kLitStorage is not needed
+    kTracedStorage = 7,   // coverage that the near field of cones meets, or with leaves Voxels::matter
+    kBouncedStorage = 2,  // coverage of the faces that gather
 };
 
 struct VoxelCounters {

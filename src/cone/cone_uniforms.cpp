@@ -70,8 +70,7 @@ void setConeUniforms(gl::Program& program, const Settings& settings, const Sky& 
 
     volume.radiance->bindBase(GL_SHADER_STORAGE_BUFFER, kRadianceStorage);
     voxels.faces.bindBase(GL_SHADER_STORAGE_BUFFER, kFaceStorage);
-    voxels.coverage.bindBase(GL_SHADER_STORAGE_BUFFER, kCoverageStorage);
-    if (voxels.leaves) voxels.matter.bindBase(GL_SHADER_STORAGE_BUFFER, kTracedMatterStorage);
+    (voxels.leaves ? voxels.matter : voxels.coverage).bindBase(GL_SHADER_STORAGE_BUFFER, kTracedStorage);
     const auto bind = [&](const char* name, const gl::Texture& texture, int at) {
         if (!texture) return;
         texture.bindTo(at);

@@ -114,18 +114,17 @@ SoftShadowPass::SoftShadowPass(const gl::ShaderLibrary& shaders, const Settings&
     : settings_(settings) {
     gl::Defines defines = merged(coneSetDefines(settings, voxels, Sky{}, kShadowCones), gbufferDefines);
     defines["AO_DISTANCE"] = "0";
+    defines["SHADOW_CONES"] = std::to_string(settings.shadow.coneCount);
     program_ = shaders.compute("cone/soft_shadow.comp", defines);
     visibility_ = gl::Texture::create2D(GL_R32F, width, height);
 }
 
-void SoftShadowPass::run(const RadianceVolume& volume, const glm::vec3& position, float radius, bool directional,
+void SoftShadowPass::run(const RadianceVolume& volume, const std::function<void(gl::Program&)>& bindLights,
                          const BindGBuffer& bindGBuffer, gl::PassTimers& timers) {
     const auto pass = timers.pass("cones: soft shadow");
     setConeUniforms(program_, settings_, Sky{}, volume, settings_.cone.step, kConeUnit);
     program_.set("u_inverseVoxelSize", inverseVoxelSize(volume));
-    program_.set("u_lightPosition", position);
-    program_.set("u_lightRadius", radius);
-    program_.set("u_directional", directional);
+    bindLights(program_);
     bindGBuffer(program_, kGBufferUnit);
     dispatchPixels(program_, visibility_, "u_visibility", GL_R32F);
 }

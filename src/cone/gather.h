@@ -54,19 +54,17 @@ class SpecularPass {
     gl::Texture gathered_, specular_;
 };
 
-/// Visibility of one sphere or point of light through cones: the channel `soft_shadow`.
+/// Visibility of all lights through cones: the channel `soft_shadow`.
 class SoftShadowPass {
   public:
     SoftShadowPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels,
                    const gl::Defines& gbufferDefines, int width, int height);
 
-    /// Pass "cones: soft shadow". The light is at `position` (relative to the scene's origin, metres) with `radius`,
-    /// or, when `directional`, lies towards `position` as a unit direction and `radius` is the sine of its angular
-    /// radius.
-    void run(const RadianceVolume& volume, const glm::vec3& position, float radius, bool directional,
+    /// Pass "cones: soft shadow". `bindLights` binds what light/lights.glsl reads to the given program.
+    void run(const RadianceVolume& volume, const std::function<void(gl::Program&)>& bindLights,
              const BindGBuffer& bindGBuffer, gl::PassTimers& timers);
 
-    /// R32F: share of the light that is seen, 0 to 1; 1 on the background.
+    /// R32F: share of the irradiance without shadows that arrives, 0 to 1; 1 on the background.
     const gl::Texture& texture() const { return visibility_; }
 
   private:

@@ -52,6 +52,7 @@ struct Settings {
         int shadowResolution = 2048;
         double shadowFilter = 1.5;
         int bounces = 3;
+        double tolerance = 0;
         int bounceCones = 6;
         bool extrapolate = true;
         int extractEnvironment = 4;
@@ -82,6 +83,7 @@ struct Settings {
     } ao;
     struct Shadow {
         bool cones = false;
+        int coneCount = 16;
     } shadow;
     struct Reference {
         int samples = 256;

@@ -166,7 +166,9 @@ struct Renderer::Impl {
                 refraction->run(volume, seenSky, bindGBuffer, timers);
                 layers.push_back(&refraction->texture());
             }
-            if (softShadow) runSoftShadow(volume, bindGBuffer);
+            if (softShadow)
+                softShadow->run(
+                    volume, [this](gl::Program& program) { shadowMaps.bind(program); }, bindGBuffer, timers);
         }
         composite.run(gbuffer, seenSky, layers, settings.output.exposure, timers);
         timers.endFrame();
@@ -189,18 +191,6 @@ struct Renderer::Impl {
         diffuse->run(
             field->volume(voxels), sky, [this](gl::Program& program, int unit) { gbuffer.bind(program, unit); }, unused,
             side);
-    }
-
-    void runSoftShadow(const RadianceVolume& volume, const BindGBuffer& bindGBuffer) {
-        const Light light = scene.lightsAt(gpuScene.time()).front();
-        const bool directional = light.type == LightType::directional;
-        // A rectangle as the disc of its area.
-        const double radius =
-            light.type == LightType::rectangle ? std::sqrt(light.width * light.height / M_PI) : light.radius;
-        const glm::vec3 position =
-            directional ? glm::vec3(-light.direction) : glm::vec3(light.position - gpuScene.origin());
-        softShadow->run(volume, position, static_cast<float>(directional ? std::sin(light.angularRadius) : radius),
-                        directional, bindGBuffer, timers);
     }
 
     void collectStats() {
@@ -241,6 +231,7 @@ struct Renderer::Impl {
         stats.counts["voxel_records_made"] = voxels.freshCount;
         stats.counts["levels_waiting"] = schedule ? static_cast<std::uint64_t>(schedule->waiting()) : 0;
         stats.counts["voxel_faces_lit"] = field ? field->activeFaces() : 0;
+        stats.counts["light_bounces"] = field ? static_cast<std::uint64_t>(field->bounces()) : 0;
         stats.counts["voxel_fragments"] = voxels.counters.fragments;
         stats.counts["voxel_sums_saturated"] = voxels.counters.saturated;
         stats.counts["emission_clamped"] = voxels.counters.clamped;

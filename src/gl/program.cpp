@@ -85,4 +85,12 @@ void dispatch(const Program& program, int x, int y, int z) {
     glDispatchCompute(static_cast<GLuint>(x), static_cast<GLuint>(y), static_cast<GLuint>(z));
 }
 
+void dispatchIndirect(const Program& program, const Buffer& groups, std::size_t offset) {
+    VOXCONE_CHECK(offset % 4 == 0 && offset + 12 <= groups.bytes(), "{}: groups at {} of {} bytes", program.label(),
+                  offset, groups.bytes());
+    program.use();
+    groups.bind(GL_DISPATCH_INDIRECT_BUFFER);
+    glDispatchComputeIndirect(static_cast<GLintptr>(offset));
+}
+
 }  // namespace voxcone::gl

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "gl/buffer.h"
 #include "gl/handle.h"
 
 namespace voxcone::gl {
@@ -77,6 +78,10 @@ class Program {
 /// Uses `program` and dispatches `x`×`y`×`z` work groups; none when one of them is 0. Counts above the device's limit
 /// are a DeviceError.
 void dispatch(const Program& program, int x, int y, int z);
+
+/// The same with counts that the device has written: three words of `groups` from `offset` bytes on. Whoever wrote them
+/// orders the reading by GL_COMMAND_BARRIER_BIT, and keeps them below the limit.
+void dispatchIndirect(const Program& program, const Buffer& groups, std::size_t offset);
 
 /// Groups of `groupSize` that cover `count` items.
 constexpr int groupsFor(int count, int groupSize) {

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "gl/bindings.h"
@@ -10,14 +11,26 @@ namespace voxcone {
 
 namespace {
 
-/// Gain of a bounce beyond which no series is believed: a scene that reflects all of its light has no answer.
-constexpr double kMostGain = 0.98;
+/// Where bounces keep shaders/light/series.glsl; nothing that they run reads direct light there.
+constexpr int kSeriesStorage = kLitStorage;
+
+struct Series {
+    glm::uvec3 faceGroups{0}, slotGroups{0};
+    std::uint32_t bounces = 0;
+    glm::vec3 before{0}, total{0}, gain{0}, tail{0};
+};
+static_assert(sizeof(Series) == 19 * 4);
 
 /// Groups of 64 for `count` items, spread over two dimensions: one alone may hold only 65535 groups.
-void dispatchItems(gl::Program& program, std::uint32_t count) {
+glm::uvec3 groupsOf(std::uint32_t count) {
     const int groups = static_cast<int>((count + 63) / 64);
     const int rows = gl::groupsFor(groups, 32768);
-    gl::dispatch(program, gl::groupsFor(groups, std::max(rows, 1)), rows, 1);
+    return {gl::groupsFor(groups, std::max(rows, 1)), rows, 1};
+}
+
+void dispatchItems(const gl::Program& program, std::uint32_t count) {
+    const glm::ivec3 groups(groupsOf(count));
+    gl::dispatch(program, groups.x, groups.y, groups.z);
 }
 
 void bind(const gl::Buffer& buffer, int block) {
@@ -54,6 +67,9 @@ RadianceField::RadianceField(const gl::ShaderLibrary& shaders, const Settings& s
         gl::Defines cones = coneSetDefines(settings, voxels, sky, settings.light.bounceCones);
         cones["AO_DISTANCE"] = "0";
         bounce_ = shaders.compute("light/bounce.comp", cones);
+        series_ = shaders.compute("light/series.comp", {});
+        extend_ = shaders.compute("light/extend.comp", {});
+        state_ = gl::Buffer(sizeof(Series));
     }
 }
 
@@ -68,7 +84,7 @@ void RadianceField::reserve(const Voxels& voxels) {
     };
     grow(direct_, faces * sizeof(std::uint32_t));
     grow(gathered_, faces * sizeof(glm::uvec2));
-    list_ = gl::Buffer(faces * sizeof(std::uint32_t));
+    list_ = gl::Buffer(faces * sizeof(glm::uvec2));
     faces_ = gl::Buffer(faces * sizeof(glm::uvec2));
     stored_ = false;
     const std::size_t words = settings_.voxel.storage == VoxelStorage::sh1 ? 4 : 1;
@@ -104,7 +120,9 @@ void RadianceField::update(const Voxels& voxels, const Sky& sky, const Change& c
         // Buffer commands that touch what shaders stored are ordered by a barrier of their own.
         gl::memoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
         if (forget) gathered_.clear();
-        if (bounces) bounce(voxels, sky, change.forget ? settings_.light.bounces : 1, counters);
+        if (bounces)
+            bounce(voxels, sky, change.forget ? settings_.light.bounces : 1,
+                   change.forget && settings_.light.extrapolate, counters);
     }
     {
         const auto pass = timers.pass("light: store");
@@ -116,6 +134,11 @@ void RadianceField::update(const Voxels& voxels, const Sky& sky, const Change& c
     }
     gl::memoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     counters_ = counters.read<VoxelCounters>()[0];
+    if (again && change.forget) {
+        const Series series = bounces ? state_.read<Series>()[0] : Series{};
+        bounces_ = static_cast<int>(series.bounces);
+        gain_ = series.gain;
+    }
 }
 
 void RadianceField::inject(const Voxels& voxels, bool all, const BindLights& bindLights) {
@@ -151,38 +174,38 @@ void RadianceField::measure(const Voxels& voxels, const gl::Buffer& counters) {
     counters_ = counters.read<VoxelCounters>()[0];
 }
 
-void RadianceField::bounce(const Voxels& voxels, const Sky& sky, int bounces, gl::Buffer& counters) {
-    const bool series = bounces == settings_.light.bounces && settings_.light.extrapolate;
+/// Up to `bounces` of them: the device itself ends the series, so that nobody waits for it. `extend`: adds the rest of
+/// it.
+void RadianceField::bounce(const Voxels& voxels, const Sky& sky, int bounces, bool extend, const gl::Buffer& counters) {
+    const Series series{.faceGroups = groupsOf(counters_.activeFaces), .slotGroups = groupsOf(voxels.slots)};
+    state_.upload(&series, sizeof series);
+    bounce_.set("u_faceCount", counters_.activeFaces);
     // The sums have 17 bits below the storage's unit: enough to see a ratio of increments when they are all dim.
     bounce_.set("u_fixedPointUnit", 131072.0f);
-    glm::dvec3 addedBefore(0), ratio(0);
+    // A single bounce that is added to those of the frames before says nothing of a series.
+    series_.set("u_tolerance", bounces > 1 ? settings_.light.tolerance : 0);
+    series_.set("u_extrapolate", extend);
+    counters.bindBase(GL_SHADER_STORAGE_BUFFER, kCounterStorage);
     for (int i = 0; i < bounces; ++i) {
-        store(voxels, voxels.layout.levels - 1, true, false);
-        const bool last = i + 1 == bounces;
-        // Bounces k and k+1 add in the ratio ρ of a geometric series: the rest is ρ/(1−ρ) of the last.
-        const glm::dvec3 tail = last && series && i > 0 ? ratio / (1.0 - ratio) : glm::dvec3(0);
-        bounce_.set("u_tail", glm::vec3(tail));
-        bounce_.set("u_faceCount", counters_.activeFaces);
+        store(voxels, voxels.layout.levels - 1, true, false, true);
         // Bounces depend on the windows alone, wherever the camera is in them.
         setConeUniforms(bounce_, settings_, sky, volume(voxels), settings_.cone.step, gl::kPassTextureUnit, true);
         setConeSetUniforms(bounce_, settings_.light.bounceCones);
         bind(list_, kListStorage);
         bind(voxels.places, kPlaceStorage);
         bind(voxels.faces, kFaceStorage);
-        bind(voxels.coverage, kCoverageStorage);
+        bind(voxels.coverage, kBouncedStorage);
         bind(gathered_, kGatheredStorage);
-        dispatchItems(bounce_, counters_.activeFaces);
-        gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-        if (last) break;
-        VoxelCounters now = counters.read<VoxelCounters>()[0];
-        for (int c = 0; c < 3; ++c) {
-            const double added = std::ldexp(static_cast<double>(now.added[2 * c + 1]), 32) + now.added[2 * c];
-            ratio[c] = addedBefore[c] > 0 ? std::min(added / addedBefore[c], kMostGain) : 0;
-            addedBefore[c] = added;
-            now.added[2 * c] = now.added[2 * c + 1] = 0;
-        }
-        counters.upload(&now, sizeof now);
+        gl::dispatchIndirect(bounce_, state_, offsetof(Series, faceGroups));
+        gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+        bind(state_, kSeriesStorage);
+        gl::dispatch(series_, 1, 1, 1);
+        gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     }
+    if (!extend) return;
+    extend_.set("u_faceCount", counters_.activeFaces);
+    dispatchItems(extend_, counters_.activeFaces);
+    gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
 void RadianceField::spread(const Voxels& voxels, bool all) {
@@ -204,8 +227,16 @@ void RadianceField::spread(const Voxels& voxels, bool all) {
 }
 
 /// Radiance of the faces of all levels from `firstLevel` on, and of the mips, as cones read it; or of new records only.
-/// `count`: values that are clamped.
-void RadianceField::store(const Voxels& voxels, int firstLevel, bool all, bool count) {
+/// `count`: values that are clamped. `inSeries`: only while the series of bounces goes on.
+void RadianceField::store(const Voxels& voxels, int firstLevel, bool all, bool count, bool inSeries) {
+    const auto dispatchSlots = [&](const gl::Program& program, std::uint32_t slots) {
+        if (inSeries) {
+            gl::dispatchIndirect(program, state_, offsetof(Series, slotGroups));
+        } else {
+            dispatchItems(program, slots);
+        }
+        gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    };
     bind(voxels.places, kPlaceStorage);
     bind(voxels.faces, kFaceStorage);
     bind(voxels.coverage, kCoverageStorage);
@@ -220,8 +251,7 @@ void RadianceField::store(const Voxels& voxels, int firstLevel, bool all, bool c
     store_.set("u_firstLevel", firstLevel);
     store_.set("u_count", count);
     store_.set("u_inverseRadianceScale", 1 / scale_);
-    dispatchItems(store_, slots);
-    gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    dispatchSlots(store_, slots);
     // Mips hold the last level, and only with that do they change.
     if (!all && sixFace_) return;
 
@@ -230,16 +260,14 @@ void RadianceField::store(const Voxels& voxels, int firstLevel, bool all, bool c
     bindIndex(mip_, voxels);
     for (int level = voxels.layout.levels; level < voxels.layout.count(); ++level) {
         mip_.set("u_level", level);
-        dispatchItems(mip_, voxels.slots);
-        gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+        dispatchSlots(mip_, voxels.slots);
     }
     if (sixFace_) return;
     bind(faces_, kGatheredStorage);
     bind(folded_, kRadianceStorage);
     bind(voxels.faces, kFaceStorage);
     fold_.set("u_slotCount", voxels.slots);
-    dispatchItems(fold_, voxels.slots);
-    gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    dispatchSlots(fold_, voxels.slots);
 }
 
 }  // namespace voxcone

@@ -38,8 +38,12 @@ class RadianceField {
     std::uint32_t records(int level) const { return counters_.records[level]; }
     /// Faces of the last level: those that gather bounces.
     std::uint32_t activeFaces() const { return counters_.activeFaces; }
+    /// Bounces that were made when they last began from nothing: light.bounces, or fewer by light.tolerance.
+    int bounces() const { return bounces_; }
+    /// Ratio of the light that the last two of them added, by channel; 0 with fewer than two.
+    const glm::vec3& gain() const { return gain_; }
     std::uint64_t bytes() const {
-        return direct_.bytes() + gathered_.bytes() + faces_.bytes() + folded_.bytes() + list_.bytes();
+        return direct_.bytes() + gathered_.bytes() + faces_.bytes() + folded_.bytes() + list_.bytes() + state_.bytes();
     }
 
     /// RGB radiance over volume().scale and coverage of each face of each slot, as half floats.
@@ -50,20 +54,23 @@ class RadianceField {
     void reserve(const Voxels& voxels);
     void inject(const Voxels& voxels, bool all, const BindLights& bindLights);
     void measure(const Voxels& voxels, const gl::Buffer& counters);
-    void bounce(const Voxels& voxels, const Sky& sky, int bounces, gl::Buffer& counters);
+    void bounce(const Voxels& voxels, const Sky& sky, int bounces, bool extend, const gl::Buffer& counters);
     void spread(const Voxels& voxels, bool all);
-    void store(const Voxels& voxels, int firstLevel, bool all, bool count);
+    void store(const Voxels& voxels, int firstLevel, bool all, bool count, bool inSeries = false);
 
     Settings settings_;
     bool lights_, sixFace_;
-    gl::Program inject_, reset_, measure_, store_, bounce_, spread_, mip_, fold_;
+    gl::Program inject_, reset_, measure_, store_, bounce_, series_, extend_, spread_, mip_, fold_;
     gl::Buffer direct_;  ///< six RGB9E5 a slot: from lights and emission, W/(m² sr)
     gl::Buffer
         gathered_;       ///< six uvec2 a slot: mean incoming radiance over the hemisphere, over scale_, as half floats
     gl::Buffer faces_;   ///< six uvec2 a slot
     gl::Buffer folded_;  ///< what shaders/light/fold.comp makes of the faces, unless cones read those
-    gl::Buffer list_;    ///< faces of the last level
+    gl::Buffer list_;    ///< faces of the last level, and what each has gathered in the last bounce
+    gl::Buffer state_;   ///< shaders/light/series.glsl
     VoxelCounters counters_;
+    int bounces_ = 0;
+    glm::vec3 gain_{0};
     float scale_ = 0;
     bool stored_ = false;  ///< faces_ holds the light of all records but the new ones
 };

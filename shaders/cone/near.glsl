@@ -8,7 +8,7 @@
 #include "shared/octahedral.glsl"
 
 
-/// `t` and the reach of the near field in voxels of the level at the start.
+/// `t` and the reach of the near field in the same unit.
 float nearWeight(float t, float near) { return clamp(1.5 * (1.0 - t / near), 0.0, 1.0); }
 
 /// Area (z) and first moments (xy) of the part of the unit square where dot(slope, (u, v)) <= s. Slopes are positive. The
@@ -23,6 +23,7 @@ vec3 momentsBelow(float s, vec2 slope) {
 /// How much of the plane through `p` with unit normal `n` is surface at its point `x`, 0 to 1, in a voxel whose surface in
 /// that plane has centre of gravity `p` and `coverage` along `axis`; all relative to the voxel's lower corner. A voxel at the
 /// edge of a surface is filled in part, on the side that the centre of gravity says, and up to `margin` further.
+/// What is scattered over the voxel, or lets a part of the light pass, stops as much as it does when filtered.
 float planeShare(vec3 n, vec3 p, vec3 x, float coverage, int axis, float margin) {
     // Seen along the plane's dominant axis, the cut of the voxel is the part of the unit square over which it is in range.
     vec3 a = abs(n), k;
@@ -43,12 +44,13 @@ float planeShare(vec3 n, vec3 p, vec3 x, float coverage, int axis, float margin)
     float share = coverage / full;
     vec2 middle = cut.xy / cut.z, aside = centre - middle;
     vec2 first = max((-low - slope.yx) / slope, 0.0), last = min((1.0 - low) / slope, 1.0);
-    // Half the width of the cut on that side. A part that a straight line cuts off has its centre this far from that of the
-    // whole.
+    // Half the width of the cut on that side. The centre of a part that a straight line cuts off is aside by this times
+    // 1 - share, that of matter scattered over the cut not at all; a corner's is in between, and as much in its place as
+    // an edge's.
     float deviation = length(aside), halfWidth = 0.5 * dot(last - first, abs(aside)) / max(deviation, 1e-6);
-    float located = clamp(deviation / (halfWidth * (1.0 - share)), 0.0, 1.0);
+    float located = clamp(4.0 * deviation / (halfWidth * (1.0 - share)), 0.0, 1.0);
     float inside = dot(at - middle, aside) >= (halfWidth * (1.0 - 2.0 * share) - margin) * deviation ? 1.0 : 0.0;
-    return mix(share, inside, located);
+    return mix(min(u_coneGain * share, 1.0), inside, located);
 }
 
 /// What a cone's axis meets in one voxel.
@@ -70,15 +72,16 @@ void meetFace(uint slot, int f, uvec2 coverages, vec3 o, vec3 d, vec3 ownNormal,
     bool parallel = abs(dot(n, ownNormal)) > 0.7;
     if (against < 1e-3 || height < (parallel ? 0.02 : -0.003)) return;
     // Crossings within rounding of a voxel's border count on both sides.
-    const float kSlack = 0.05;
-    float t = max(height, 0.0) / against;
-    if (t < range.x - kSlack || t > range.y + kSlack) return;
+    float t = max(height, 0.0) / against, slack = min(0.002 / against, 0.05);
+    if (t < range.x - slack || t > range.y + slack) return;
     // Where a body ends in an edge, a face may hold the mean of two sides, which rises over either; but it lies below.
     if (t < 2.0 && dot(n, ownNormal) > 0.2 && dot(ownNormal, p - o) < -0.01) return;
     // A sheet that bends inside the voxel would be met by cones that leave its other side.
-    if (height < 0.5 && dot(n, ownNormal) < -0.7 && face.position == b_faces[index ^ 1u].position) return;
+    if (height < 0.5 && dot(n, ownNormal) < -0.7 && faceCoverage(coverages, f ^ 1) > 0.0 &&
+        distance(p, unpackPosition(b_faces[index ^ 1u].position)) < 0.02)
+        return;
     // Surfaces that meet in an edge overlap a little, so that nothing passes between; most where a gap would be wide.
-    float margin = mix(0.3, 0.04, min(t, 1.0));
+    float margin = mix(0.3, 0.01, min(t, 1.0));
     float share = planeShare(n, p, o + t * d, coverage, f >> 1, margin);
     if (share > hit.share) hit = NearHit(share, t, index);
 }
@@ -95,20 +98,13 @@ void meetRecord(uint mark, vec3 o, vec3 d, vec3 ownNormal, vec2 range, inout Nea
     meetFace(mark - 1u, 5, coverages, o, d, ownNormal, range, hit);
 }
 
-/// Walks through the voxels of one level along the cone's axis. `weight` of the level where two blend.
-void nearField(Cone cone, int level, float weight, float reach, inout ConeResult result) {
+/// Walks through the voxels of one level along the cone's axis, up to `near`, or `reach` if that is less. `weight` of the
+/// level where two blend.
+void nearFieldAt(Cone cone, int level, float weight, float near, float reach, inout ConeResult result) {
     float edge = exp2(float(level));
     vec3 o = cone.origin / edge, d = cone.direction;
     vec2 range = gridRange(cone.origin, d) / edge;
-    float end = min(min(cone.near, range.y), reach / edge);
-#if CASCADES
-    // Only what no snap of the window changes. What is readable of the last level is in the range already.
-    if (level < u_levels - 1) {
-        vec3 most = (u_cascadeCenter + u_cascadeRadius * edge * mix(vec3(-1.0), vec3(1.0), greaterThan(d, vec3(0.0)))) / edge;
-        vec3 out_ = (most - o) / mix(d, vec3(1e-20), equal(d, vec3(0.0)));
-        end = min(end, min(out_.x, min(out_.y, out_.z)));
-    }
-#endif
+    float end = min(min(near, reach) / edge, range.y);
     if (range.x > 0.0) return;
     ivec3 i = ivec3(floor(o)), origin = levelOrigin(level, 0), step_ = ivec3(greaterThan(d, vec3(0.0))) * 2 - 1;
     ivec3 mask = ivec3(levelResolution(level) - 1);
@@ -125,7 +121,7 @@ void nearField(Cone cone, int level, float weight, float reach, inout ConeResult
         meetRecord(texelFetch(u_movingIndex, texel, 0).r, o - vec3(i), d, cone.normal, inside, hit);
 #endif
         if (hit.share > 0.0) {
-            float stopped = min(weight * nearWeight(hit.t, cone.near) * hit.share, result.transmittance);
+            float stopped = min(weight * nearWeight(hit.t * edge, near) * hit.share, result.transmittance);
             result.radiance += stopped * unpackHalf4(b_radiance[hit.face]).rgb;
             result.openness -= stopped * occluderWeight(hit.t * edge);
             result.transmittance -= stopped;
@@ -137,4 +133,16 @@ void nearField(Cone cone, int level, float weight, float reach, inout ConeResult
         else if (smallest.y) next.y += perVoxel.y, i.y += step_.y;
         else next.z += perVoxel.z, i.z += step_.z;
     }
+}
+
+/// The near field up to `near`: at the level that holds all of the way.
+void nearField(Cone cone, float startLevel, float near, float reach, inout ConeResult result) {
+    float level = startLevel;
+#if CASCADES
+    level = max(level, containmentLevel(cone.origin + near * cone.direction));
+#endif
+    nearFieldAt(cone, int(level), 1.0 - fract(level), near, reach, result);
+#if CASCADES
+    if (fract(level) > 0.0) nearFieldAt(cone, int(level) + 1, fract(level), near, reach, result);
+#endif
 }

@@ -113,6 +113,7 @@ vec3 beamThrough(GBufferSample s) {
     }
     cone.origin = leaves * u_inverseVoxelSize;
     cone.tanHalfAngle = tan(halfAngle);
+    cone.near = nearOfOne(cone.tanHalfAngle);
     ConeResult result = traceCone(cone);
     return weight * (result.radiance + result.transmittance * skyRadiance(cone.direction, cone.tanHalfAngle));
 }
@@ -126,6 +127,7 @@ vec3 scatteredThrough(GBufferSample s) {
     cone.normal = -s.geometricNormal;
     cone.level = 0.0;
     cone.tanHalfAngle = u_coneTanHalfAngle;
+    cone.near = u_nearDistance;
     mat3 frame = frameAround(-s.normal);
     vec3 sum = vec3(0.0);
     for (int i = 0; i < CONES; ++i) {

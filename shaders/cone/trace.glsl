@@ -277,16 +277,14 @@ ConeResult traceConeTo(Cone cone, float reach) {
     ConeResult result = ConeResult(vec3(0.0), 1.0, 1.0);
     float tau = 0.0;
 #if LEAVES
-    float leafTau = 0.0;
+    float leafTau = 0.0, skipped = offset;  // leaves between surface and start: as dense as in the first segment
 #endif
 #if NEAR_FIELD
-    nearField(cone, int(startLevel), 1.0 - fract(startLevel), reach, result);
-#if CASCADES
-    if (fract(startLevel) > 0.0) nearField(cone, int(startLevel) + 1, fract(startLevel), reach, result);
-#endif
+    float near = cone.near * edge;
+    nearField(cone, startLevel, near, reach, result);
     float open = result.transmittance;
 #if !LEAVES
-    t = max(t, cone.near / 3.0 * edge);  // up to here all weight is on the near field, which meets all but leaves
+    t = max(t, near / 3.0);  // up to here all weight is on the near field, which meets all but leaves
 #endif
     if (open < 1e-3) t = end;
 #else
@@ -319,7 +317,7 @@ ConeResult traceConeTo(Cone cone, float reach) {
         Crossing crossing = crossingAt(cone, x, max(dot(x - o, n), offset), exp2(lod), lod);
         float density = crossing.density;
 #if NEAR_FIELD
-        density *= 1.0 - nearWeight((t + 0.5 * ds) / edge, cone.near);
+        density *= 1.0 - nearWeight(t + 0.5 * ds, near);
 #endif
 #else
         vec3 opacity, none;
@@ -329,9 +327,10 @@ ConeResult traceConeTo(Cone cone, float reach) {
 #if LEAVES
         // Leaves turned all ways: the ellipsoid of their projected areas (Heitz et al. 2015, "The SGGX microflake
         // distribution"), and what they let pass multiplies.
-        vec3 leaves = leavesAt(x, lod);
+        vec3 leaves = leavesAt(o + n * offset + d * (t + 0.5 * ds), lod);  // above those that the cone leaves
         float leafDensity = 0.92 * length(d * leaves);
-        leafTau += leafDensity * ds;
+        leafTau += leafDensity * (ds + skipped);
+        skipped = 0.0;
 #if SIX_FACE
         crossing.facing += leaves;
 #endif

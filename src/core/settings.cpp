@@ -33,7 +33,7 @@ constexpr Preset kPresets[] = {
                             "rotate": false},
                    "specular": {"aperture": "linear"}})"},
     {"fast",
-     R"({"light": {"bounces": 2, "bounce_cones": 5}, "cone": {"diffuse": 6, "step": 1.5, "footprint_cap": 6},
+     R"({"light": {"bounces": 2, "bounce_cones": 5}, "cone": {"diffuse": 6, "step": 1.5, "footprint_cap": 6, "near_field": 8},
          "specular": {"cones": 2}})"},
     {"balanced", "{}"},
     {"accurate", R"({"light": {"bounces": 6, "bounce_cones": 16},

@@ -62,11 +62,11 @@ struct Settings {
         int diffuse = 16;
         double step = 1;
         Compositing compositing = Compositing::linear;
-        double gain = 1.4;
+        double gain = 1.65;
         double footprintCap = 12;
         StartOffset start = StartOffset::normal;
         double offset = 0.75;
-        double nearField = 8;
+        double nearField = 16;
         double nudge = 1;
         bool rotate = true;
         double maxDistance = 0;

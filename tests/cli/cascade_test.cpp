@@ -29,7 +29,7 @@ json basicScript() {
         "settings": {
             "output": {"width": 40, "height": 30}, "voxel": {"resolution": 16}, "cascade": {"levels": 3},
             "light": {"shadow_resolution": 128, "bounces": 1, "bounce_cones": 1},
-            "cone": {"diffuse": 1, "rotate": false}, "specular": {"enabled": false} },
+            "cone": {"diffuse": 6, "rotate": false}, "specular": {"enabled": false} },
         "shots": [{"name": "shot", "fps": 4}]})");
     script["scene"] = VOXCONE_SOURCE_DIR "/assets/scenes/basic.gltf";
     return script;

@@ -151,6 +151,7 @@ class ConeLab {
                 cone.direction = b_inputs[i].direction.xyz;
                 cone.tanHalfAngle = b_inputs[i].direction.w;
                 cone.level = 0.0;
+                cone.near = u_nearDistance;
                 ConeResult result = traceCone(cone);
                 b_results[i] = vec4(result.radiance.x, result.transmittance, result.openness, 0.0);
             })",
@@ -379,7 +380,7 @@ Roughness slide(double degrees) {
 TEST_F(HardCase, WhatSlidesByTenthsOfAVoxelChangesLightSmoothly) {
     const Roughness turned = slide(25);
     EXPECT_LT(turned.step, 0.1);
-    EXPECT_LT(turned.bend, 0.05);
+    EXPECT_LT(turned.bend, 0.1);
 }
 
 // A face in the plane of the grid covers its voxel wholly wherever in it the face lies, so that it moves by voxels. The
@@ -387,7 +388,7 @@ TEST_F(HardCase, WhatSlidesByTenthsOfAVoxelChangesLightSmoothly) {
 TEST_F(HardCase, AFaceAlongTheGridMovesByWholeVoxels) {
     const Roughness aligned = slide(0);
     if (aligned.step < 0.1) fmt::print("   the aim is met: this test can join the one before\n");
-    EXPECT_LT(aligned.step, 0.7);
+    EXPECT_LT(aligned.step, 0.35);
 }
 
 }  // namespace

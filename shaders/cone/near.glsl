@@ -72,7 +72,7 @@ void meetFace(uint slot, int f, uvec2 coverages, vec3 o, vec3 d, vec3 ownNormal,
     bool parallel = abs(dot(n, ownNormal)) > 0.7;
     if (against < 1e-3 || height < (parallel ? 0.02 : -0.003)) return;
     // Crossings within rounding of a voxel's border count on both sides.
-    float t = max(height, 0.0) / against, slack = min(0.002 / against, 0.05);
+    float t = max(height, 0.0) / against, slack = min(0.001 / against, 0.02);
     if (t < range.x - slack || t > range.y + slack) return;
     // Where a body ends in an edge, a face may hold the mean of two sides, which rises over either; but it lies below.
     if (t < 2.0 && dot(n, ownNormal) > 0.2 && dot(ownNormal, p - o) < -0.01) return;

@@ -68,11 +68,12 @@ void meetFace(uint slot, int f, uvec2 coverages, vec3 o, vec3 d, vec3 ownNormal,
     FaceRecord face = b_faces[index];
     vec3 n = unpackOctahedral(face.normal), p = unpackPosition(face.position);
     float against = -dot(n, d), height = dot(n, o - p);
-    // Behind the surface, or on it: the plane that the cone leaves. One that meets it at an angle begins at the edge.
+    // Behind the surface, or on it: the plane that the cone leaves. One that meets it at an angle begins at the edge. Mean
+    // positions are uncertain by a hundredth of a voxel.
     bool parallel = abs(dot(n, ownNormal)) > 0.7;
-    if (against < 1e-3 || height < (parallel ? 0.02 : -0.003)) return;
-    // Crossings within rounding of a voxel's border count on both sides.
-    float t = max(height, 0.0) / against, slack = min(0.001 / against, 0.02);
+    if (against < 1e-3 || height < (parallel ? 0.02 : -0.02)) return;
+    // So crossings that close to a voxel's border count on both sides.
+    float t = max(height, 0.0) / against, slack = min(0.01 / against, 0.1);
     if (t < range.x - slack || t > range.y + slack) return;
     // Where a body ends in an edge, a face may hold the mean of two sides, which rises over either; but it lies below.
     if (t < 2.0 && dot(n, ownNormal) > 0.2 && dot(ownNormal, p - o) < -0.01) return;
@@ -81,8 +82,10 @@ void meetFace(uint slot, int f, uvec2 coverages, vec3 o, vec3 d, vec3 ownNormal,
         distance(p, unpackPosition(b_faces[index ^ 1u].position)) < 0.02)
         return;
     // Surfaces that meet in an edge overlap a little, so that nothing passes between; most where a gap would be wide.
-    float margin = mix(0.3, 0.01, min(t, 1.0));
+    float margin = mix(0.6, 0.01, min(t, 1.0));
     float share = planeShare(n, p, o + t * d, coverage, f >> 1, margin);
+    // What stops a part must not do so twice.
+    if (share < 1.0 && (t < range.x || t >= range.y)) return;
     if (share > hit.share) hit = NearHit(share, t, index);
 }
 

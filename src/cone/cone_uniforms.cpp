@@ -6,9 +6,10 @@ namespace voxcone {
 
 namespace {
 
-/// Exact planes need the faces of six_face storage.
+/// Exact planes need the faces of six_face storage, and hide what is behind them as the linear rule has it.
 bool nearField(const Settings& settings, const Voxels& voxels) {
-    return settings.cone.nearField > 0 && settings.cone.start == StartOffset::normal && voxels.sixFace();
+    return settings.cone.nearField > 0 && settings.cone.start == StartOffset::normal &&
+           settings.cone.compositing == Compositing::linear && voxels.sixFace();
 }
 
 }  // namespace

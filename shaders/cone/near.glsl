@@ -7,7 +7,6 @@
 // linear. Needs the define NEAR_FIELD, and trace.glsl.
 #include "shared/octahedral.glsl"
 
-
 /// `t` and the reach of the near field in the same unit.
 float nearWeight(float t, float near) { return clamp(1.5 * (1.0 - t / near), 0.0, 1.0); }
 
@@ -48,7 +47,7 @@ float planeShare(vec3 n, vec3 p, vec3 x, float coverage, int axis, float margin)
     // 1 - share, that of matter scattered over the cut not at all; a corner's is in between, and as much in its place as
     // an edge's.
     float deviation = length(aside), halfWidth = 0.5 * dot(last - first, abs(aside)) / max(deviation, 1e-6);
-    float located = clamp(4.0 * deviation / (halfWidth * (1.0 - share)), 0.0, 1.0);
+    float located = clamp(4.0 * deviation / max(halfWidth * (1.0 - share), 1e-6), 0.0, 1.0);
     float inside = dot(at - middle, aside) >= (halfWidth * (1.0 - 2.0 * share) - margin) * deviation ? 1.0 : 0.0;
     return mix(min(u_coneGain * share, 1.0), inside, located);
 }

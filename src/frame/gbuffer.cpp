@@ -14,6 +14,22 @@ namespace {
 /// Largest ratio of far to near plane: keeps neighbouring depths at the far plane 6e-8 · 1000 of its distance apart.
 constexpr double kDepthRatio = 1000;
 
+gl::DrawState depthTested() {
+    gl::DrawState state;
+    state.depthTest = true;
+    state.depthWrite = true;
+    state.depthClamp = true;
+    state.clipDistances = 2;
+    return state;
+}
+
+/// Uniforms of frame/gbuffer.vert.
+void setView(gl::Program& program, const CameraView& view) {
+    program.set("u_clipFromWorld", view.clipFromWorld);
+    program.set("u_cameraPosition", view.position);
+    program.set("u_clipRange", view.clipRange);
+}
+
 constexpr std::array<const char*, 5> kChannels = {"albedo", "normal", "depth", "position", "emission"};
 
 }  // namespace
@@ -131,16 +147,10 @@ void GBuffer::draw(const gl::GpuScene& scene, const CameraView& view, gl::PassTi
     }
     framebuffer_.clearDepth(1);
 
-    gl::DrawState state;
-    state.depthTest = true;
-    state.depthWrite = true;
-    state.depthClamp = true;
-    state.clipDistances = 2;
+    gl::DrawState state = depthTested();
     for (gl::Program* program : {&opaque_, &alphaTested_}) {
         if (!*program) continue;
-        program->set("u_clipFromWorld", view.clipFromWorld);
-        program->set("u_cameraPosition", view.position);
-        program->set("u_clipRange", view.clipRange);
+        setView(*program, view);
         for (const bool doubleSided : {false, true}) {
             state.cullBack = !doubleSided;
             state.apply();
@@ -157,15 +167,8 @@ void GBuffer::draw(const gl::GpuScene& scene, const CameraView& view, gl::PassTi
 void GBuffer::drawExits(const gl::GpuScene& scene, const CameraView& view) {
     exitFramebuffer_.clearColorUint(0, glm::uvec4(0));
     exitFramebuffer_.clearDepth(1);
-    gl::DrawState state;
-    state.depthTest = true;
-    state.depthWrite = true;
-    state.depthClamp = true;
-    state.clipDistances = 2;
-    state.apply();
-    exitProgram_.set("u_clipFromWorld", view.clipFromWorld);
-    exitProgram_.set("u_cameraPosition", view.position);
-    exitProgram_.set("u_clipRange", view.clipRange);
+    depthTested().apply();
+    setView(exitProgram_, view);
     scene.draw(exitProgram_, [](const gl::Batch& batch) { return batch.transmits && batch.closed; });
 }
 

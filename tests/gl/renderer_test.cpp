@@ -198,6 +198,7 @@ TEST_F(RendererTest, ExtractedLightsAgreeWithTheReference) {
     EXPECT_LT(std::abs(direct.relativeBias), 0.01);
     EXPECT_LT(direct.relMse, 0.01);
     settings.light.extractEnvironment = settings.light.extractEmitters = 0;
+    // Cones alone come nearer since they have a near field: 0.0125, of which extraction leaves a seventh.
     EXPECT_LT(beauty.relMse, 0.2 * errors("beauty").relMse);
     EXPECT_EQ(errors("direct").rmse, 0) << "nothing is direct light without extraction";
 }

@@ -102,15 +102,8 @@ TEST_F(TransmissionTest, ABallTurnsWhatIsBehindItRound) {
 }
 
 TEST_F(TransmissionTest, SheetsScatterToTheOtherSide) {
-    Material leaf = lambert(0.8f);
-    leaf.diffuseTransmission = 0.25f;
-    leaf.diffuseTransmissionColor = {0.5f, 1, 0.2f};
-    leaf.doubleSided = true;
-    Light sun;
-    sun.type = LightType::directional;
-    sun.direction = {0, 1, 0};  // from below
-    sun.intensity = glm::vec3(2);
-    Picture lit(SceneBuilder().add(quad(4, 4), leaf).light(sun).build(), kDown);
+    const Material leaf = greenLeaf();
+    Picture lit(SceneBuilder().add(quad(4, 4), leaf).light(sunFromBelow()).build(), kDown);
     EXPECT_NEAR(lit.mean("direct").x, 2 * 0.25 * 0.5 / kPi, 1e-4);
     EXPECT_NEAR(lit.mean("direct").y, 2 * 0.25 / kPi, 1e-4);
     Picture sky(oneObject(quad(4, 4), leaf, glm::dmat4(1), glm::vec3(1)), kDown);

@@ -376,7 +376,8 @@ Roughness slide(double degrees) {
     return largest;
 }
 
-// Forty even steps would change the light by 0.025 of the whole each.
+// Forty even steps would change the light by 0.025 of the whole each. An edge that is met exactly passes the cones one by one,
+// which bends the way more (0.097) than filtered edges did (below 0.05).
 TEST_F(HardCase, WhatSlidesByTenthsOfAVoxelChangesLightSmoothly) {
     const Roughness turned = slide(25);
     EXPECT_LT(turned.step, 0.1);

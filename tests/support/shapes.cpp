@@ -64,6 +64,22 @@ Material lambert(float albedo, float emission) {
     return lambert(glm::vec3(albedo), glm::vec3(emission));
 }
 
+Material greenLeaf() {
+    Material leaf = lambert(0.8f);
+    leaf.diffuseTransmission = 0.25f;
+    leaf.diffuseTransmissionColor = {0.5f, 1, 0.2f};
+    leaf.doubleSided = true;
+    return leaf;
+}
+
+Light sunFromBelow() {
+    Light sun;
+    sun.type = LightType::directional;
+    sun.direction = {0, 1, 0};
+    sun.intensity = glm::vec3(2);
+    return sun;
+}
+
 Material glossy(const glm::vec3& baseColor, float metallic, float roughness) {
     Material material;
     material.name = "glossy";

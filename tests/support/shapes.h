@@ -11,6 +11,10 @@ namespace voxcone::test {
 Material lambert(const glm::vec3& albedo, const glm::vec3& emission = glm::vec3(0));
 /// The same, grey.
 Material lambert(float albedo, float emission = 0);
+/// Two-sided sheet of albedo 0.8 that scatters (0.5, 1, 0.2) times a quarter of the light to its other side.
+Material greenLeaf();
+/// Directional light along +y, irradiance 2.
+Light sunFromBelow();
 /// glTF metallic-roughness material without emission; dielectric F0 = 0.04.
 Material glossy(const glm::vec3& baseColor, float metallic, float roughness);
 

@@ -832,14 +832,8 @@ TEST(Transmission, RefractionFollowsSnell) {
 }
 
 TEST(Transmission, SheetsScatterToTheOtherSide) {
-    Material leaf = lambert(0.8f);
-    leaf.diffuseTransmission = 0.25f;
-    leaf.diffuseTransmissionColor = {0.5f, 1, 0.2f};
-    leaf.doubleSided = true;
-    Light sun;
-    sun.type = LightType::directional;
-    sun.direction = {0, 1, 0};  // from below
-    sun.intensity = glm::vec3(2);
+    const Material leaf = greenLeaf();
+    const Light sun = sunFromBelow();
     const Scene lit = SceneBuilder().add(quad(4, 4), leaf).light(sun).build();
     EXPECT_NEAR(meanOf(lookDown(lit).direct).x, 2 * 0.25 * 0.5 / kPi, 1e-4);
     EXPECT_NEAR(meanOf(lookDown(lit).direct).y, 2 * 0.25 / kPi, 1e-4);

@@ -61,7 +61,8 @@ Command reportCommand(CLI::App& app) {
         std::string out, shard, references;
     };
     const auto options = std::make_shared<Options>();
-    CLI::App* parser = app.add_subcommand("report", "Speed against error of many settings, scenes and views, as one page");
+    CLI::App* parser =
+        app.add_subcommand("report", "Speed against error of many settings, scenes and views, as one page");
     parser
         ->add_option("inputs", options->inputs,
                      "suite (docs/reports.md); or the word merge and the folders of a report's parts")
@@ -81,48 +82,52 @@ Command reportCommand(CLI::App& app) {
                      "(default: DIR/references)")
         ->type_name("DIR");
     parser
-        ->add_option("--scene", options->scenes, "glTF of a scene of the suite, instead of the one that it names; may be repeated")
+        ->add_option("--scene", options->scenes,
+                     "glTF of a scene of the suite, instead of the one that it names; may be repeated")
         ->type_name("NAME=FILE")
         ->allow_extra_args(false);
     parser->footer(
-        "A report that was stopped goes on when the same command is given again; one that is finished renders nothing.\n"
+        "A report that was stopped goes on when the same command is given again; one that is finished renders "
+        "nothing.\n"
         "Configurations that fail are listed on standard error and are rows with the reason; the exit status stays 0.\n"
         "To try them again, delete measurements/*/*/failed.json in the report's folder.");
     const std::string usage =
-        "voxcone report SUITE.json --out DIR [--shard K/N] [--references DIR] [--scene NAME=FILE]… | voxcone report merge "
+        "voxcone report SUITE.json --out DIR [--shard K/N] [--references DIR] [--scene NAME=FILE]… | voxcone report "
+        "merge "
         "DIR… --out DIR";
-    return {parser, usage, [options] {
-                std::string command = "voxcone report";
-                for (const std::string& input : options->inputs) command += " " + shellQuoted(input);
-                command += " --out " + shellQuoted(options->out);
-                const bool merge = options->inputs.front() == "merge";
-                if (merge) {
-                    if (options->inputs.size() < 2) throw UsageError("report merge: which folders?");
-                    if (!options->shard.empty() || !options->references.empty() || !options->scenes.empty())
-                        throw UsageError("report merge takes folders and --out alone");
-                    return tell(mergeReports({options->inputs.begin() + 1, options->inputs.end()}, options->out, command));
-                }
-                if (options->inputs.size() > 1)
-                    throw UsageError(fmt::format("report: one suite, not {}", fmt::join(options->inputs, " ")));
-                ReportOptions report;
-                report.suite = options->inputs.front(), report.out = options->out;
-                report.references = options->references;
-                if (!options->shard.empty()) {
-                    report.shard = parseShard(options->shard);
-                    command += " --shard " + options->shard;
-                }
-                if (!options->references.empty()) command += " --references " + shellQuoted(options->references);
-                for (const std::string& text : options->scenes) {
-                    const auto equals = text.find('=');
-                    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-                        throw UsageError(fmt::format("--scene {}: expected NAME=FILE", text));
-                    report.scenes[text.substr(0, equals)] = text.substr(equals + 1);
-                    command += " --scene " + shellQuoted(text);
-                }
-                report.command = command;
-                const auto context = gl::Context::createHeadless(false);
-                return tell(runReport(report, *context));
-            }};
+    return {
+        parser, usage, [options] {
+            std::string command = "voxcone report";
+            for (const std::string& input : options->inputs) command += " " + shellQuoted(input);
+            command += " --out " + shellQuoted(options->out);
+            const bool merge = options->inputs.front() == "merge";
+            if (merge) {
+                if (options->inputs.size() < 2) throw UsageError("report merge: which folders?");
+                if (!options->shard.empty() || !options->references.empty() || !options->scenes.empty())
+                    throw UsageError("report merge takes folders and --out alone");
+                return tell(mergeReports({options->inputs.begin() + 1, options->inputs.end()}, options->out, command));
+            }
+            if (options->inputs.size() > 1)
+                throw UsageError(fmt::format("report: one suite, not {}", fmt::join(options->inputs, " ")));
+            ReportOptions report;
+            report.suite = options->inputs.front(), report.out = options->out;
+            report.references = options->references;
+            if (!options->shard.empty()) {
+                report.shard = parseShard(options->shard);
+                command += " --shard " + options->shard;
+            }
+            if (!options->references.empty()) command += " --references " + shellQuoted(options->references);
+            for (const std::string& text : options->scenes) {
+                const auto equals = text.find('=');
+                if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+                    throw UsageError(fmt::format("--scene {}: expected NAME=FILE", text));
+                report.scenes[text.substr(0, equals)] = text.substr(equals + 1);
+                command += " --scene " + shellQuoted(text);
+            }
+            report.command = command;
+            const auto context = gl::Context::createHeadless(false);
+            return tell(runReport(report, *context));
+        }};
 }
 
 }  // namespace voxcone

@@ -20,8 +20,8 @@
 #include "core/progress.h"
 #include "gl/context.h"
 #include "report/evaluate.h"
-#include "report/sha256.h"
 #include "report/results.h"
+#include "report/sha256.h"
 
 namespace voxcone {
 
@@ -63,8 +63,8 @@ json machineJson() {
     }
     return {{"cpu", cpu},
             {"cores", std::thread::hardware_concurrency()},
-            {"memory_bytes", static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
-                                 static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE))}};
+            {"memory_bytes",
+             static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE))}};
 }
 
 json buildJson() {
@@ -143,10 +143,10 @@ class Runner {
     struct Item {
         SuiteRow row;
         Settings settings;
-        std::string reference;  ///< key
-        fs::path folder;        ///< of repeat.N.json, picture.json or failed.json
-        std::string images;     ///< beginning of its pictures' names, relative to the report
-        std::vector<int> repeats;   ///< that are not there yet
+        std::string reference;                 ///< key
+        fs::path folder;                       ///< of repeat.N.json, picture.json or failed.json
+        std::string images;                    ///< beginning of its pictures' names, relative to the report
+        std::vector<int> repeats;              ///< that are not there yet
         bool picture = false, failed = false;  ///< are there
 
         bool finished() const { return failed || (repeats.empty() && picture); }
@@ -187,8 +187,7 @@ class Runner {
         item.failed = fs::exists(item.folder / "failed.json");
         if (!item.finished()) {
             work_ += suite_.warmUp + static_cast<int>(item.repeats.size()) + 1;
-            if (counted_.insert(item.reference).second &&
-                !fs::exists(references_ / item.reference / "reference.json"))
+            if (counted_.insert(item.reference).second && !fs::exists(references_ / item.reference / "reference.json"))
                 work_ += kReferenceWork;
         }
         items_.push_back(std::move(item));
@@ -349,12 +348,9 @@ class Runner {
             if (fs::exists(options_.out / name)) continue;
             writePng(options_.out / name, shownReference(channel, found->second, item.settings));
         }
-        return {{"key", reference.key},
-                {"samples", reference.samples},
-                {"depth", reference.maxDepth},
-                {"standard_error", reference.standardErrors},
-                {"seconds", reference.seconds},
-                {"images", images}};
+        return {{"key", reference.key},         {"samples", reference.samples},
+                {"depth", reference.maxDepth},  {"standard_error", reference.standardErrors},
+                {"seconds", reference.seconds}, {"images", images}};
     }
 
     /// All of it is there.
@@ -383,12 +379,8 @@ class Runner {
 
     json viewJson(std::size_t v) {
         const SuiteView& view = suite_.views[v];
-        json out = {{"id", view.id},
-                    {"scene", view.scene},
-                    {"shot", view.shot.name},
-                    {"frame", view.frame},
-                    {"script", view.file},
-                    {"triangles", view.script->scene.triangleCount()}};
+        json out = {{"id", view.id},       {"scene", view.scene}, {"shot", view.shot.name},
+                    {"frame", view.frame}, {"script", view.file}, {"triangles", view.script->scene.triangleCount()}};
         for (const SuiteConfiguration& configuration : suite_.configurations) {
             if (!suite_.measures(view, configuration)) continue;
             const Settings settings = suite_.settingsOf(view, configuration);
@@ -473,7 +465,7 @@ class Runner {
     const std::string program_;
     std::map<std::tuple<const CaptureScript*, int, double, int, int>, std::unique_ptr<Evaluator>> evaluators_;
     std::vector<Item> items_;
-    std::set<std::string> counted_;  ///< references whose work is part of work_
+    std::set<std::string> counted_;          ///< references whose work is part of work_
     std::map<std::string, Reference> held_;  ///< of the view that is measured
     Progress progress_;
     int work_ = 0;

@@ -31,10 +31,10 @@ struct ReportResult {
 };
 
 /// Measures what is not measured yet, each configuration of a view in turn so that all meet the same drift of the
-/// machine, and writes out/report.json, report.csv, index.html and images/. References lie in options.references, single
-/// measurements in out/measurements/: a run that was stopped goes on from there, and one that was finished renders
-/// nothing and leaves the same bytes. A configuration that cannot be rendered becomes a row with the reason. Throws
-/// InputError for the suite and for files that cannot be written.
+/// machine, and writes out/report.json, report.csv, index.html and images/. References lie in options.references,
+/// single measurements in out/measurements/: a run that was stopped goes on from there, and one that was finished
+/// renders nothing and leaves the same bytes. A configuration that cannot be rendered becomes a row with the reason.
+/// Throws InputError for the suite and for files that cannot be written.
 ReportResult runReport(const ReportOptions& options, gl::Context& context);
 
 /// Joins the reports of `parts` (folders), which must be of one suite, into one in `out`, with their pictures. A row

@@ -141,7 +141,8 @@ ReportResult mergeReports(const std::vector<fs::path>& parts, const fs::path& ou
     for (const fs::path& part : parts) {
         const fs::path file = part / "report.json";
         const json report = readJsonFile(file);
-        if (at(report, {"suite", "hash"}) == nullptr || !report.contains("rows") || report.value("voxcone_report", 0) != 1)
+        if (at(report, {"suite", "hash"}) == nullptr || !report.contains("rows") ||
+            report.value("voxcone_report", 0) != 1)
             throw InputError(file.string(), "", "is no report of this program");
         for (const json& view : report.at("views")) copyImagesOf(view, part, out);
         for (const json& row : report.at("rows")) copyImagesOf(row, part, out);

@@ -9,8 +9,9 @@
 
 namespace voxcone {
 
-/// A line for every row of `report` below a line of names: times, memory, samples, errors by channel and metric, and the
-/// median of every pass. Fields with commas, quotes or line breaks are quoted (RFC 4180); what a row lacks is empty.
+/// A line for every row of `report` below a line of names: times, memory, samples, errors by channel and metric, and
+/// the median of every pass. Fields with commas, quotes or line breaks are quoted (RFC 4180); what a row lacks is
+/// empty.
 std::string csvOf(const nlohmann::json& report);
 
 /// Writes report.json, report.csv and index.html, each whole and only where it is not the same already, and says what

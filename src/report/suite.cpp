@@ -86,8 +86,7 @@ std::vector<Point> gridPoints(const JsonObject& entry, const json& grid) {
     if (!grid.is_object() || grid.empty()) entry.fail("grid", "must be an object with at least one setting");
     std::vector<Point> points = {{}};
     for (const auto& [key, values] : grid.items()) {
-        if (!values.is_array() || values.empty())
-            entry.fail("grid." + key, "must be an array with at least one value");
+        if (!values.is_array() || values.empty()) entry.fail("grid." + key, "must be an array with at least one value");
         std::vector<Point> next;
         for (const Point& point : points) {
             for (const json& value : values) {
@@ -160,8 +159,7 @@ void readConfigurations(JsonObject entry, Suite& suite) {
                 configuration.preset = value.get<std::string>();
             else
                 configuration.set[key] = value;
-            configuration.id +=
-                fmt::format("{}{}={}", configuration.id.empty() ? "" : " ", key, valueText(value));
+            configuration.id += fmt::format("{}{}={}", configuration.id.empty() ? "" : " ", key, valueText(value));
         }
         suite.configurations.push_back(std::move(configuration));
         if (suite.configurations.size() > kMostConfigurations) entry.fail("", "too many configurations");
@@ -192,9 +190,8 @@ void readReferenceSettings(JsonObject& parent, Settings::Reference& reference) {
 /// The name becomes part of names of files.
 std::string readName(JsonObject& object, const std::string& key) {
     std::string name = object.string(key);
-    const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
-        return std::isalnum(c) || c == '_' || c == '-' || c == '.';
-    });
+    const bool plain = std::all_of(name.begin(), name.end(),
+                                   [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; });
     if (name.empty() || name.size() > 100 || name[0] == '.' || !plain)
         object.fail(key, "must be 1 to 100 letters, digits, '_', '-' or '.', and not begin with '.'");
     return name;
@@ -237,8 +234,7 @@ std::vector<int> readFrames(JsonObject& entry, const Shot& shot) {
 void readViews(JsonObject entry, const Settings::Reference* common, const std::map<std::string, fs::path>& scenes,
                Suite& suite, std::set<std::string>& names, Sha256& textHash) {
     const std::string name = readName(entry, "scene");
-    if (!names.insert(name).second)
-        entry.fail("scene", fmt::format("\"{}\" is another scene's name already", name));
+    if (!names.insert(name).second) entry.fail("scene", fmt::format("\"{}\" is another scene's name already", name));
     fs::path file = entry.string("script");
     const std::string given = file.string();
     if (file.is_relative()) file = suite.file.parent_path() / file;
@@ -295,12 +291,11 @@ void readViews(JsonObject entry, const Settings::Reference* common, const std::m
     for (std::size_t i = 0; i < shots.size(); ++i) {
         const Shot& shot = shots[i];
         const bool ofScript = i < script.shots.size() && !(cameras != nullptr && wanted.empty());
-        if (ofScript && !wanted.empty() && std::find(wanted.begin(), wanted.end(), shot.name) == wanted.end())
-            continue;
+        if (ofScript && !wanted.empty() && std::find(wanted.begin(), wanted.end(), shot.name) == wanted.end()) continue;
         for (const int frame : readFrames(entry, shot)) {
             view.shot = shot, view.frame = frame;
-            view.id = fmt::format("{}/{}{}", name, shot.name,
-                                  frame == shot.firstFrame ? "" : fmt::format("@{}", frame));
+            view.id =
+                fmt::format("{}/{}{}", name, shot.name, frame == shot.firstFrame ? "" : fmt::format("@{}", frame));
             if (std::any_of(suite.views.begin(), suite.views.end(), [&](auto& v) { return v.id == view.id; }))
                 entry.fail("", fmt::format("view {} stands there twice", view.id));
             suite.views.push_back(view);
@@ -340,7 +335,8 @@ Suite loadSuite(const fs::path& file, const std::map<std::string, fs::path>& sce
     suite.name = readName(object, "name");
     suite.warmUp = object.integer("warm_up", 1, 1, 1000);
     suite.repeats = object.integer("repeats", 3, 1, 100000);
-    suite.memoryBytes = std::uint64_t{1048576} * static_cast<std::uint64_t>(object.integer("memory_mib", 2048, 1, 1 << 24));
+    suite.memoryBytes =
+        std::uint64_t{1048576} * static_cast<std::uint64_t>(object.integer("memory_mib", 2048, 1, 1 << 24));
     suite.channels = strings(object, "channels");
     if (suite.channels.empty()) suite.channels = comparedChannels();
     for (std::size_t i = 0; i < suite.channels.size(); ++i) {
@@ -348,7 +344,8 @@ Suite loadSuite(const fs::path& file, const std::map<std::string, fs::path>& sce
                                                 "transmission", "ao"};
         const std::string at = fmt::format("channels[{}]", i);
         if (std::find(known.begin(), known.end(), suite.channels[i]) == known.end())
-            object.fail(at, fmt::format("\"{}\" cannot be compared; {} can", suite.channels[i], fmt::join(known, ", ")));
+            object.fail(at,
+                        fmt::format("\"{}\" cannot be compared; {} can", suite.channels[i], fmt::join(known, ", ")));
         if (std::count(suite.channels.begin(), suite.channels.end(), suite.channels[i]) > 1)
             object.fail(at, fmt::format("\"{}\" stands there twice", suite.channels[i]));
     }

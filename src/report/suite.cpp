@@ -377,10 +377,10 @@ Suite loadSuite(const fs::path& file, const std::map<std::string, fs::path>& sce
     for (std::size_t i = 0; i < views.size(); ++i)
         readViews(JsonObject(views[i], file.string(), fmt::format("views[{}]", i)), common ? &reference : nullptr,
                   scenes, suite, names, hash);
-    if (suite.views.empty()) object.fail("views", "no scene is left");
     for (const auto& [name, path] : scenes) {
         if (!names.contains(name)) throw UsageError(fmt::format("--scene {}: the suite has no such scene", name));
     }
+    if (suite.views.empty()) object.fail("views", "no scene is left");
     for (const SuiteConfiguration& configuration : suite.configurations) {
         for (const std::string& scene : configuration.scenes) {
             if (!names.contains(scene))

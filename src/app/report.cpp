@@ -9,7 +9,6 @@
 #include "app/commands.h"
 #include "core/error.h"
 #include "core/log.h"
-#include "gl/context.h"
 #include "report/report.h"
 
 namespace voxcone {
@@ -125,8 +124,7 @@ Command reportCommand(CLI::App& app) {
                 command += " --scene " + shellQuoted(text);
             }
             report.command = command;
-            const auto context = gl::Context::createHeadless(false);
-            return tell(runReport(report, *context));
+            return tell(runReport(report));
         }};
 }
 

@@ -119,10 +119,10 @@ FrameTimes frameOf(const json& tree) {
 
 class Runner {
   public:
-    Runner(const ReportOptions& options, gl::Context& context)
+    explicit Runner(const ReportOptions& options)
         : options_(options),
-          context_(context),
           suite_(loadSuite(options.suite, options.scenes)),
+          context_(gl::Context::createHeadless(false)),
           references_(options.references.empty() ? options.out / "references" : options.references),
           rows_(options.shard ? rowsOf(suite_, *options.shard) : rowsOf(suite_)),
           program_(programHash()),
@@ -162,7 +162,7 @@ class Runner {
         const Settings::Reference& r = view.reference;
         const auto key = std::tuple(view.script, r.samples, r.error, r.maxDepth, r.seed);
         auto& evaluator = evaluators_[key];
-        if (!evaluator) evaluator = std::make_unique<Evaluator>(context_, *view.script, references_, view.reference);
+        if (!evaluator) evaluator = std::make_unique<Evaluator>(*context_, *view.script, references_, view.reference);
         return *evaluator;
     }
 
@@ -174,7 +174,7 @@ class Runner {
         item.settings = suite_.settingsOf(view, configuration);
         item.reference = evaluatorOf(view).referenceKey(view.shot, view.frame, item.settings);
         Sha256 hash;
-        hash.text(program_).text(context_.info().renderer).text(context_.info().version);
+        hash.text(program_).text(context_->info().renderer).text(context_->info().version);
         hash.text(item.reference).text(toJson(item.settings).dump()).number(configuration.multiplyAo);
         for (const std::string& channel : suite_.channels) hash.text(channel);
         const std::string key = hash.hex().substr(0, 12);
@@ -273,7 +273,7 @@ class Runner {
             try {
                 referenceOf(item);
                 const SuiteView& view = viewOf(item);
-                trial = std::make_unique<Trial>(context_, evaluatorOf(view).sceneFor(item.settings), view.shot,
+                trial = std::make_unique<Trial>(*context_, evaluatorOf(view).sceneFor(item.settings), view.shot,
                                                 view.frame, item.settings, suite_.warmUp);
             } catch (const std::exception& error) {
                 // Perhaps there is room when the others have gone.
@@ -406,7 +406,7 @@ class Runner {
                        {"suite", {{"name", suite_.name}, {"file", suite_.file.string()}, {"hash", suite_.hash}}},
                        {"command", options_.command},
                        {"build", buildJson()},
-                       {"device", describeDevice(context_.info())},
+                       {"device", describeDevice(context_->info())},
                        {"machine", machineJson()},
                        {"views", json::array()},
                        {"configurations", json::array()},
@@ -457,9 +457,9 @@ class Runner {
     }
 
     const ReportOptions& options_;
-    gl::Context& context_;
     std::string started_;  ///< the first run into this folder
     const Suite suite_;
+    const std::unique_ptr<gl::Context> context_;
     const fs::path references_;
     const std::vector<SuiteRow> rows_;
     const std::string program_;
@@ -475,8 +475,8 @@ class Runner {
 
 }  // namespace
 
-ReportResult runReport(const ReportOptions& options, gl::Context& context) {
-    return Runner(options, context).run();
+ReportResult runReport(const ReportOptions& options) {
+    return Runner(options).run();
 }
 
 }  // namespace voxcone

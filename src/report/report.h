@@ -11,10 +11,6 @@
 
 namespace voxcone {
 
-namespace gl {
-class Context;
-}
-
 struct ReportOptions {
     std::filesystem::path suite, out;
     std::filesystem::path references;  ///< where references are kept; empty = out/references
@@ -34,8 +30,8 @@ struct ReportResult {
 /// machine, and writes out/report.json, report.csv, index.html and images/. References lie in options.references,
 /// single measurements in out/measurements/: a run that was stopped goes on from there, and one that was finished
 /// renders nothing and leaves the same bytes. A configuration that cannot be rendered becomes a row with the reason.
-/// Throws InputError for the suite and for files that cannot be written.
-ReportResult runReport(const ReportOptions& options, gl::Context& context);
+/// Throws InputError for the suite and for files that cannot be written, DeviceError without an OpenGL context.
+ReportResult runReport(const ReportOptions& options);
 
 /// Joins the reports of `parts` (folders), which must be of one suite, into one in `out`, with their pictures. A row
 /// that several have is taken from the first.

@@ -176,7 +176,7 @@ TEST_F(Reports, ErrorsAreThoseOfCompare) {
 TEST_F(Reports, GoOnWhereTheyWereStopped) {
     const TemporaryFolder folder;
     const fs::path file = folder.path() / "suite.json", to = folder.path() / "out";
-    writeTextFile(file, suiteText(20));
+    writeTextFile(file, suiteText(10));
     const pid_t child = fork();
     if (child == 0) {
         execl(VOXCONE_PROGRAM, VOXCONE_PROGRAM, "report", file.c_str(), "--out", to.c_str(), nullptr);
@@ -203,7 +203,7 @@ TEST_F(Reports, GoOnWhereTheyWereStopped) {
 
     ASSERT_EQ(voxcone({"report", file.string(), "--out", to.string()}).status, 0);
     const auto after = repeats();
-    EXPECT_EQ(after.size(), 2u * 2u * 20u);
+    EXPECT_EQ(after.size(), 2u * 2u * 10u);
     for (const auto& [name, time] : before) EXPECT_EQ(after.at(name), time) << name;
     const json report = reportOf(to);
     for (const json& row : report["rows"]) EXPECT_EQ(row["status"], "ok");

@@ -122,7 +122,8 @@ function errorOf(row, channel = state.channel, metric = state.metric) {
   return Number.isFinite(error) ? Math.max(error, 0) : null;
 }
 const showError = (error) => (error === null ? "–" : metricOf(state.metric).show(error));
-const timeTitle = () => `${state.pass || "frame"}, ${state.frame === "first" ? "first frame" : "steady frame"}`;
+const frameTitle = () => (state.frame === "first" ? "first frame" : "steady frame");
+const timeTitle = () => (state.pass === "" ? frameTitle() : `${state.pass}, ${frameTitle()}`);
 const errorTitle = () => `${metricOf(state.metric).title} of ${state.channel}`;
 
 /** Of points with x and y: those that no other beats in one and equals or beats in the other, by rising x. */
@@ -208,7 +209,7 @@ function logAxis(values, from, to) {
   const ticks = [];
   const least = 10 ** low, most = 10 ** high;
   const decades = high - low;
-  const multiples = decades > 3.2 ? [1] : [1, 2, 5];
+  const multiples = decades > 3.2 ? [1] : decades > 1.3 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 8];
   for (let power = Math.floor(low); power <= high; power += Math.max(1, Math.ceil(decades / 9))) {
     for (const multiple of multiples) {
       const value = Number(`${multiple}e${power}`);
@@ -217,7 +218,7 @@ function logAxis(values, from, to) {
   }
   if (ticks.length < 3) {
     const raw = (most - least) / 4, power = 10 ** Math.floor(Math.log10(raw));
-    const step = [1, 2, 5, 10].map((multiple) => multiple * power).find((candidate) => candidate >= raw);
+    const step = [5, 2, 1].map((multiple) => multiple * power).find((candidate) => candidate <= raw);
     ticks.length = 0;
     for (let k = Math.ceil(least / step); k * step <= most; ++k) ticks.push(Number((k * step).toPrecision(6)));
   }
@@ -407,7 +408,7 @@ const keyOfPlot = () => html("div", { class: "key" },
   html("span", {}, svg("svg", { viewBox: "0 0 18 12", "aria-hidden": "true" },
     svg("path", { d: "M0 6h18M.5 3v6M17.5 3v6", stroke: "var(--point)", fill: "none" }),
     svg("circle", { cx: 9, cy: 6, r: 4.2, fill: "var(--card)", stroke: "var(--point)", "stroke-width": 1.6 })),
-    "beaten in both; whiskers p10 to p90"),
+    "dominated; whiskers p10 to p90"),
   html("span", {}, svg("svg", { viewBox: "0 0 18 12", "aria-hidden": "true" },
     svg("circle", { cx: 9, cy: 6, r: 5, fill: "none", stroke: "var(--picked)", "stroke-width": 2.25 })), "picked"));
 
@@ -811,7 +812,7 @@ function pick(c) {
 }
 function drawPasses(v) {
   const card = byId(`passes-${v}`);
-  card.replaceChildren(html("div", { class: "bar" }, html("h3", {}, `Passes, ${state.frame === "first" ? "first frame" : "steady frame"}`)), ...passBars(v, card));
+  card.replaceChildren(html("div", { class: "bar" }, html("h3", {}, `Passes, ${frameTitle()}`)), ...passBars(v, card));
   markPicked(card);
 }
 function draw() {
@@ -849,7 +850,7 @@ function heading() {
       fact("Machine", listed(machine.cpu, machine.cores && plural(machine.cores, "core"), machine.memory_bytes && `${figure(machine.memory_bytes / 1e9)} GB`)),
       fact("Build", listed(build.version && `voxcone ${build.version}`, build.compiler, build.type)),
       fact("Made", listed(made.started, made.finished && `to ${made.finished}`)),
-      fact("Suite", listed(suite.file, hash && shortened(String(hash), 13))),
+      fact("Suite", listed(suite.file, hash && `sha256 ${shortened(String(hash), 13)}`)),
       fact("Command", report.command || "", true, true)));
 }
 

@@ -37,7 +37,7 @@ const megabytes = (value) => (Number.isFinite(value) ? `${figure(value / 1e6)} M
 const whole = (value) => (Number.isFinite(value) ? String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f") : "–");
 const plural = (count, one, many) => `${count} ${count === 1 ? one : many || one + "s"}`;
 const shortened = (text, most) => (text.length > most ? text.slice(0, most - 1) + "…" : text);
-const listed = (...parts) => parts.filter((part) => part !== undefined && part !== null && part !== "").join(" · ");
+const listed = (...parts) => parts.filter((part) => part !== undefined && part !== null && part !== false && part !== "").join(" · ");
 
 /* ---------------------------------------------------------------- the report's data */
 
@@ -505,11 +505,11 @@ function frontTable(v) {
   const body = front.map((point) => html("tr", { "data-c": point.c },
     html("th", { class: "text", scope: "row" }, pickButton(point.c)),
     html("td", {}, figure(point.x)), html("td", {}, showError(point.y)),
-    html("td", { class: "text" }, settingsOf(point.c))));
-  return [html("div", { class: "scroll plain" }, html("table", {},
+    html("td", { class: "text wide" }, settingsOf(point.c))));
+  return [html("div", { class: "scroll plain", tabindex: 0, role: "region", "aria-label": `Pareto front of ${views[v].id}` }, html("table", {},
     html("thead", {}, html("tr", {}, html("th", { class: "text plain", scope: "col" }, "Pareto front"),
       html("th", { class: "plain", scope: "col" }, "ms"), html("th", { class: "plain", scope: "col" }, metricOf(state.metric).title),
-      html("th", { class: "text plain", scope: "col" }, "settings"))),
+      html("th", { class: "text plain wide", scope: "col" }, "settings"))),
     html("tbody", {}, body)))];
 }
 const pickButton = (c) => html("button", { type: "button", onclick: () => pick(c), title: "Pick in all plots" }, configurations[c].id);
@@ -561,7 +561,7 @@ function passBars(v, card) {
     };
     return html("div", { class: "pass-row", "data-c": row.c, onpointermove: tell, onpointerleave: () => tip.hide(), onclick: () => pick(row.c) },
       html("span", { class: `who${front.has(row.c) ? " best" : ""}`, title: configurations[row.c].id }, configurations[row.c].id),
-      html("div", {}, stack), html("span", { class: "total" }, milliseconds(total(row))));
+      html("div", { class: "track" }, stack), html("span", { class: "total" }, milliseconds(total(row))));
   });
   const used = new Set(shown.flatMap((row) => medians(row).map((pass) => pass.name)));
   const swatches = [...passColour].filter(([name]) => used.has(name)).map(([name, colour]) =>

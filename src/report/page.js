@@ -48,7 +48,7 @@ const kMetrics = {
   mae: { title: "mean |error|" },
   bias: { title: "|bias|" },
   relative_bias: { title: "|relative bias|" },
-  p99: { title: "99th percentile of |error|" },
+  p99: { title: "p99 of |error|" },
   hdr_flip: { title: "HDR-FLIP" },
   flip: { title: "FLIP" },
   ssim: { title: "1 − SSIM", error: (value) => 1 - value },
@@ -224,7 +224,7 @@ function logAxis(values, from, to) {
   }
   return { map, ticks, hasZero, border: begin };
 }
-const tickText = (value) => (value >= 1e5 || value < 1e-3 ? value.toExponential().replace("e+", "e") : String(value));
+const tickText = (value) => (value !== 0 && (value >= 1e5 || value < 1e-3) ? value.toExponential().replace("e+", "e") : String(value));
 
 /** A plot that fills `host` and follows its width. `make()` gives what it shows at the moment. */
 class Scatter {
@@ -284,10 +284,13 @@ class Scatter {
       lines.append(svg("text", { x: at, y: area.bottom + 16, "text-anchor": "middle" }, text));
       lastRight = at + half;
     }
+    let lastTop = Infinity;
     for (const value of y.ticks) {
       const at = y.map(value);
       lines.append(svg("line", { class: "grid", x1: area.left, x2: area.right, y1: at, y2: at }));
+      if (lastTop - at < 14) continue;
       lines.append(svg("text", { x: area.left - 7, y: at + 4, "text-anchor": "end" }, spec.yShow(value)));
+      lastTop = at;
     }
     if (y.hasZero) {
       lines.append(svg("line", { class: "zero", x1: area.left, x2: area.right, y1: y.border, y2: y.border }));
@@ -857,7 +860,7 @@ function heading() {
 function controls() {
   const redo = (key) => (value) => { state[key] = value; draw(); };
   byId("controls").append(
-    select("Frame", [["steady", "steady: nothing moved"], ["first", "first: builds everything"]], state.frame, redo("frame")),
+    select("Frame", [["steady", "steady frame"], ["first", "first frame"]], state.frame, redo("frame")),
     select("Time of", [["", "whole frame"], ...passNames.map((name) => [name, name])], state.pass, redo("pass")),
     select("Channel", (channelNames.length ? channelNames : ["beauty"]).map((name) => [name, name]), state.channel, redo("channel")),
     select("Error", (metricNames.length ? metricNames : ["relmse"]).map((name) => [name, metricOf(name).title]), state.metric, redo("metric")),
@@ -911,7 +914,8 @@ function sections() {
       html("button", { type: "button", id: "save", onclick: saveCsv }, "Save these rows as CSV")),
     html("div", { class: "scroll", tabindex: 0, role: "region", "aria-labelledby": "rows-title" }, html("table", { id: "table" }))));
   byId("foot").append(
-    html("p", {}, "Times are medians over repeats, whiskers their 10th and 90th percentiles. A configuration is on the Pareto front when no other is " +
+    html("p", {}, "The first frame builds voxels, light and shadows; in a steady frame nothing has moved. " +
+      "Times are medians over repeats, whiskers their 10th and 90th percentiles. A configuration is on the Pareto front when no other is " +
       "faster with the same error or less. Errors are against the path-traced reference; scales are logarithmic."),
     html("p", {}, "Pictures here are thumbnails; the full ones lie beside this page, with report.json."));
 }

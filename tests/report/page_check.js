@@ -22,6 +22,7 @@
       points: points(),
       front: plots().map((plot) => [...plot.querySelectorAll(".best")].map((point) => point.getAttribute("aria-label"))),
       empty: all(".plot > .empty").map((line) => line.textContent),
+      ticks: all(".plot text").map((text) => text.textContent),
       rows: all("#table tbody tr").length,
       reasons: all("#table td.reason").map((cell) => cell.textContent),
       images: all(".strip img").map((image) => image.naturalWidth),

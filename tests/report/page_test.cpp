@@ -18,8 +18,6 @@ namespace voxcone {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using testing::Each;
-using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -245,6 +243,7 @@ TEST_F(Page, ShowsAnyNameAsText) {
     EXPECT_EQ(found["elements"][1], kUnicode);
     EXPECT_EQ(found["points"], json({4}));  // two of six have no error; one of 0 has its lane
     EXPECT_THAT(found["front"][0].dump(), HasSubstr("relMSE of beauty 0"));
+    EXPECT_THAT(found["ticks"], testing::Contains("0"));
     EXPECT_EQ(pages_["odd"].find("<script>document"), std::string::npos);
 }
 

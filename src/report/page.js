@@ -37,7 +37,7 @@ const megabytes = (value) => (Number.isFinite(value) ? `${figure(value / 1e6)} M
 const whole = (value) => (Number.isFinite(value) ? String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f") : "–");
 const plural = (count, one, many) => `${count} ${count === 1 ? one : many || one + "s"}`;
 const shortened = (text, most) => (text.length > most ? text.slice(0, most - 1) + "…" : text);
-const listed = (...parts) => parts.filter((part) => part !== undefined && part !== null && part !== "").join(" · ");
+const listed = (...parts) => parts.filter((part) => part !== undefined && part !== null && part !== false && part !== "").join(" · ");
 
 /* ---------------------------------------------------------------- the report's data */
 
@@ -48,7 +48,7 @@ const kMetrics = {
   mae: { title: "mean |error|" },
   bias: { title: "|bias|" },
   relative_bias: { title: "|relative bias|" },
-  p99: { title: "99th percentile of |error|" },
+  p99: { title: "p99 of |error|" },
   hdr_flip: { title: "HDR-FLIP" },
   flip: { title: "FLIP" },
   ssim: { title: "1 − SSIM", error: (value) => 1 - value },
@@ -122,7 +122,8 @@ function errorOf(row, channel = state.channel, metric = state.metric) {
   return Number.isFinite(error) ? Math.max(error, 0) : null;
 }
 const showError = (error) => (error === null ? "–" : metricOf(state.metric).show(error));
-const timeTitle = () => `${state.pass || "frame"}, ${state.frame === "first" ? "first frame" : "steady frame"}`;
+const frameTitle = () => (state.frame === "first" ? "first frame" : "steady frame");
+const timeTitle = () => (state.pass === "" ? frameTitle() : `${state.pass}, ${frameTitle()}`);
 const errorTitle = () => `${metricOf(state.metric).title} of ${state.channel}`;
 
 /** Of points with x and y: those that no other beats in one and equals or beats in the other, by rising x. */
@@ -208,7 +209,7 @@ function logAxis(values, from, to) {
   const ticks = [];
   const least = 10 ** low, most = 10 ** high;
   const decades = high - low;
-  const multiples = decades > 3.2 ? [1] : [1, 2, 5];
+  const multiples = decades > 3.2 ? [1] : decades > 1.3 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 8];
   for (let power = Math.floor(low); power <= high; power += Math.max(1, Math.ceil(decades / 9))) {
     for (const multiple of multiples) {
       const value = Number(`${multiple}e${power}`);
@@ -217,13 +218,13 @@ function logAxis(values, from, to) {
   }
   if (ticks.length < 3) {
     const raw = (most - least) / 4, power = 10 ** Math.floor(Math.log10(raw));
-    const step = [1, 2, 5, 10].map((multiple) => multiple * power).find((candidate) => candidate >= raw);
+    const step = [5, 2, 1].map((multiple) => multiple * power).find((candidate) => candidate <= raw);
     ticks.length = 0;
     for (let k = Math.ceil(least / step); k * step <= most; ++k) ticks.push(Number((k * step).toPrecision(6)));
   }
   return { map, ticks, hasZero, border: begin };
 }
-const tickText = (value) => (value >= 1e5 || value < 1e-3 ? value.toExponential().replace("e+", "e") : String(value));
+const tickText = (value) => (value !== 0 && (value >= 1e5 || value < 1e-3) ? value.toExponential().replace("e+", "e") : String(value));
 
 /** A plot that fills `host` and follows its width. `make()` gives what it shows at the moment. */
 class Scatter {
@@ -283,10 +284,13 @@ class Scatter {
       lines.append(svg("text", { x: at, y: area.bottom + 16, "text-anchor": "middle" }, text));
       lastRight = at + half;
     }
+    let lastTop = Infinity;
     for (const value of y.ticks) {
       const at = y.map(value);
       lines.append(svg("line", { class: "grid", x1: area.left, x2: area.right, y1: at, y2: at }));
+      if (lastTop - at < 14) continue;
       lines.append(svg("text", { x: area.left - 7, y: at + 4, "text-anchor": "end" }, spec.yShow(value)));
+      lastTop = at;
     }
     if (y.hasZero) {
       lines.append(svg("line", { class: "zero", x1: area.left, x2: area.right, y1: y.border, y2: y.border }));
@@ -407,7 +411,7 @@ const keyOfPlot = () => html("div", { class: "key" },
   html("span", {}, svg("svg", { viewBox: "0 0 18 12", "aria-hidden": "true" },
     svg("path", { d: "M0 6h18M.5 3v6M17.5 3v6", stroke: "var(--point)", fill: "none" }),
     svg("circle", { cx: 9, cy: 6, r: 4.2, fill: "var(--card)", stroke: "var(--point)", "stroke-width": 1.6 })),
-    "beaten in both; whiskers p10 to p90"),
+    "dominated; whiskers p10 to p90"),
   html("span", {}, svg("svg", { viewBox: "0 0 18 12", "aria-hidden": "true" },
     svg("circle", { cx: 9, cy: 6, r: 5, fill: "none", stroke: "var(--picked)", "stroke-width": 2.25 })), "picked"));
 
@@ -504,11 +508,11 @@ function frontTable(v) {
   const body = front.map((point) => html("tr", { "data-c": point.c },
     html("th", { class: "text", scope: "row" }, pickButton(point.c)),
     html("td", {}, figure(point.x)), html("td", {}, showError(point.y)),
-    html("td", { class: "text" }, settingsOf(point.c))));
-  return [html("div", { class: "scroll plain" }, html("table", {},
+    html("td", { class: "text wide" }, settingsOf(point.c))));
+  return [html("div", { class: "scroll plain", tabindex: 0, role: "region", "aria-label": `Pareto front of ${views[v].id}` }, html("table", {},
     html("thead", {}, html("tr", {}, html("th", { class: "text plain", scope: "col" }, "Pareto front"),
       html("th", { class: "plain", scope: "col" }, "ms"), html("th", { class: "plain", scope: "col" }, metricOf(state.metric).title),
-      html("th", { class: "text plain", scope: "col" }, "settings"))),
+      html("th", { class: "text plain wide", scope: "col" }, "settings"))),
     html("tbody", {}, body)))];
 }
 const pickButton = (c) => html("button", { type: "button", onclick: () => pick(c), title: "Pick in all plots" }, configurations[c].id);
@@ -560,7 +564,7 @@ function passBars(v, card) {
     };
     return html("div", { class: "pass-row", "data-c": row.c, onpointermove: tell, onpointerleave: () => tip.hide(), onclick: () => pick(row.c) },
       html("span", { class: `who${front.has(row.c) ? " best" : ""}`, title: configurations[row.c].id }, configurations[row.c].id),
-      html("div", {}, stack), html("span", { class: "total" }, milliseconds(total(row))));
+      html("div", { class: "track" }, stack), html("span", { class: "total" }, milliseconds(total(row))));
   });
   const used = new Set(shown.flatMap((row) => medians(row).map((pass) => pass.name)));
   const swatches = [...passColour].filter(([name]) => used.has(name)).map(([name, colour]) =>
@@ -811,7 +815,7 @@ function pick(c) {
 }
 function drawPasses(v) {
   const card = byId(`passes-${v}`);
-  card.replaceChildren(html("div", { class: "bar" }, html("h3", {}, `Passes, ${state.frame === "first" ? "first frame" : "steady frame"}`)), ...passBars(v, card));
+  card.replaceChildren(html("div", { class: "bar" }, html("h3", {}, `Passes, ${frameTitle()}`)), ...passBars(v, card));
   markPicked(card);
 }
 function draw() {
@@ -849,14 +853,14 @@ function heading() {
       fact("Machine", listed(machine.cpu, machine.cores && plural(machine.cores, "core"), machine.memory_bytes && `${figure(machine.memory_bytes / 1e9)} GB`)),
       fact("Build", listed(build.version && `voxcone ${build.version}`, build.compiler, build.type)),
       fact("Made", listed(made.started, made.finished && `to ${made.finished}`)),
-      fact("Suite", listed(suite.file, hash && shortened(String(hash), 13))),
+      fact("Suite", listed(suite.file, hash && `sha256 ${shortened(String(hash), 13)}`)),
       fact("Command", report.command || "", true, true)));
 }
 
 function controls() {
   const redo = (key) => (value) => { state[key] = value; draw(); };
   byId("controls").append(
-    select("Frame", [["steady", "steady: nothing moved"], ["first", "first: builds everything"]], state.frame, redo("frame")),
+    select("Frame", [["steady", "steady frame"], ["first", "first frame"]], state.frame, redo("frame")),
     select("Time of", [["", "whole frame"], ...passNames.map((name) => [name, name])], state.pass, redo("pass")),
     select("Channel", (channelNames.length ? channelNames : ["beauty"]).map((name) => [name, name]), state.channel, redo("channel")),
     select("Error", (metricNames.length ? metricNames : ["relmse"]).map((name) => [name, metricOf(name).title]), state.metric, redo("metric")),
@@ -910,7 +914,8 @@ function sections() {
       html("button", { type: "button", id: "save", onclick: saveCsv }, "Save these rows as CSV")),
     html("div", { class: "scroll", tabindex: 0, role: "region", "aria-labelledby": "rows-title" }, html("table", { id: "table" }))));
   byId("foot").append(
-    html("p", {}, "Times are medians over repeats, whiskers their 10th and 90th percentiles. A configuration is on the Pareto front when no other is " +
+    html("p", {}, "The first frame builds voxels, light and shadows; in a steady frame nothing has moved. " +
+      "Times are medians over repeats, whiskers their 10th and 90th percentiles. A configuration is on the Pareto front when no other is " +
       "faster with the same error or less. Errors are against the path-traced reference; scales are logarithmic."),
     html("p", {}, "Pictures here are thumbnails; the full ones lie beside this page, with report.json."));
 }

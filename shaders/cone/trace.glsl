@@ -1,5 +1,5 @@
 // Cones through the voxels. Needs the defines SIX_FACE, SH1, COMPOSITING_{LINEAR,EXPONENTIAL,ALPHA}, START_NORMAL, FOOTPRINT_CAP,
-// AO_DISTANCE, NEAR_FIELD, CASCADES (more than one level), LAYERS and LEAVES.
+// AO_DISTANCE, NEAR_FIELD, CASCADES (more than one level), LAYERS, LEAVES and COUNT_SAMPLES.
 //
 // All lengths are in voxels of level 0, and positions are relative to the lattice's origin. A place is read at level
 // max(log2 footprint, containment level), where a fraction blends two levels as densities per length.
@@ -35,6 +35,21 @@ uniform usampler3D u_movingIndex;
 #endif
 // Radiance over u_radianceScale, and coverage, as half floats: six faces a slot, or what light/fold.comp makes of them.
 layout(std430, binding = RADIANCE_STORAGE) readonly buffer Radiance { uvec2 b_radiance[]; };
+
+#if COUNT_SAMPLES
+// Places that the cones of all pixels looked at: voxels of their near fields, and steps beyond. Low and high word.
+layout(std430, binding = SAMPLE_STORAGE) buffer Samples { uint b_samples[2]; };
+uint g_samples = 0u;
+#define COUNT_SAMPLE ++g_samples
+/// Once a pixel, at its end.
+void storeSamples() {
+    uint before = atomicAdd(b_samples[0], g_samples);
+    if (before + g_samples < before) atomicAdd(b_samples[1], 1u);
+}
+#else
+#define COUNT_SAMPLE
+void storeSamples() {}
+#endif
 
 struct Cone {
     vec3 origin;     // of the surface, not yet offset
@@ -294,6 +309,7 @@ ConeResult traceConeTo(Cone cone, float reach) {
     float from = t;
     int done = 0;  // steps of level 0 marched
     for (int i = 0; i < 4096 && t < end; ++i) {
+        COUNT_SAMPLE;
         float lod = levelAt(cone, o, offset, t);
 #if START_NORMAL
         // The step is that of the whole level below, and begins at a multiple of itself: where a level begins, which moves

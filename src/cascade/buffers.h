@@ -26,6 +26,7 @@ enum VoxelStorageBlock : int {
     kLitStorage = 2,
     kGatheredStorage = 4,
     kTracedStorage = 7,   // coverage that the near field of cones meets, or with leaves Voxels::matter
+    kSampleStorage = 4,   // places that cones looked at, while counting them
     kBouncedStorage = 2,  // coverage of the faces that gather
 };
 

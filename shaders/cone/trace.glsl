@@ -36,6 +36,14 @@ uniform usampler3D u_movingIndex;
 // Radiance over u_radianceScale, and coverage, as half floats: six faces a slot, or what light/fold.comp makes of them.
 layout(std430, binding = RADIANCE_STORAGE) readonly buffer Radiance { uvec2 b_radiance[]; };
 
+#ifdef CONE_COUNTERS
+// For bench/: steps marched, levels looked up in the coverage volumes, levels of radiance gathered, voxels of near fields.
+layout(std430, binding = CONE_COUNTERS) buffer ConeCounters { uint b_coneCounts[4]; };
+#define COUNT(what) atomicAdd(b_coneCounts[what], 1u)
+#else
+#define COUNT(what)
+#endif
+
 struct Cone {
     vec3 origin;     // of the surface, not yet offset
     vec3 normal;     // geometric
@@ -136,6 +144,7 @@ void densitiesAt(vec3 x, float lod, out vec3 positive, out vec3 negative) {
     int level = int(lod);
     float next = lod - float(level);
     vec3 at = coverageCoordinates(x, level, texels);
+    COUNT(1);
     float scale = densityScale(level) * (1.0 - next);
     positive = scale * textureLod(u_coveragePositive, at, 0.0).rgb;
 #if SIX_FACE
@@ -145,6 +154,7 @@ void densitiesAt(vec3 x, float lod, out vec3 positive, out vec3 negative) {
 #endif
     if (next > 0.0) {
         at = coverageCoordinates(x, level + 1, texels);
+        COUNT(1);
         scale = densityScale(level + 1) * next;
         positive += scale * textureLod(u_coveragePositive, at, 0.0).rgb;
 #if SIX_FACE
@@ -199,6 +209,7 @@ void addVoxel(ivec3 i, int level, ivec3 origin, int face, vec3 d, float weight, 
 /// The same of the eight voxels around `x` at one level, as trilinear filtering weights them. Written out: as a loop inside
 /// those over steps and cones it would use up the iterations that drivers run (see traceConeTo).
 void addLevel(vec3 x, int level, int face, vec3 d, float weight, inout vec4 sum) {
+    COUNT(2);
     vec3 p = x * exp2(-float(level)) - 0.5;
     vec3 low = floor(p), f = p - low, g = 1.0 - f;
     ivec3 first = ivec3(low), origin = levelOrigin(level, 0);
@@ -294,6 +305,7 @@ ConeResult traceConeTo(Cone cone, float reach) {
     float from = t;
     int done = 0;  // steps of level 0 marched
     for (int i = 0; i < 4096 && t < end; ++i) {
+        COUNT(0);
         float lod = levelAt(cone, o, offset, t);
 #if START_NORMAL
         // The step is that of the whole level below, and begins at a multiple of itself: where a level begins, which moves

@@ -1,9 +1,7 @@
 // Cones from what a camera sees of the room, by the marching loop that pictures use (shaders/cone/trace.glsl).
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
-#include <optional>
 
 #include "core/check.h"
 #include "frame/gbuffer.h"
@@ -15,7 +13,7 @@ namespace voxcone::bench {
 
 namespace {
 
-constexpr int kPointStorage = 4, kResultStorage = 5, kCountStorage = 3;
+constexpr int kPointStorage = 3, kResultStorage = 5;
 
 // As shaders/cone/diffuse.comp, from listed points instead of a G-buffer, and with any aperture.
 constexpr const char* kCones = R"(
@@ -30,7 +28,7 @@ struct Point {
 };
 uniform int u_edge;  // points a row
 uniform float u_aperture;  // tangent of half of it; 0: the set's
-layout(std430, binding = 4) readonly buffer Points { Point b_points[]; };
+layout(std430, binding = 3) readonly buffer Points { Point b_points[]; };
 layout(std430, binding = 5) writeonly buffer Results { vec4 b_results[]; };
 
 void main() {
@@ -53,6 +51,7 @@ void main() {
                                   result.openness);
         }
     }
+    storeSamples();
     b_results[index] = sum;
 }
 )";
@@ -89,14 +88,16 @@ struct Points {
     }
 };
 
-/// What shaders/cone/trace.glsl counts.
-using Counts = std::array<std::uint32_t, 4>;
+/// As shaders/cone/trace.glsl counts.
+struct Counts {
+    double samples = 0, nearVoxels = 0, levels = 0, radiances = 0;
+};
 
 struct Tracer {
     Tracer(const Bench& bench, Lab& givenLab, int cones, double apertureDeg, bool count)
         : lab(givenLab), coneCount(cones), tanHalfAngle(std::tan(glm::radians(apertureDeg / 2))) {
         gl::Defines defines = coneSetDefines(lab.settings, lab.voxels, lab.sky, cones);
-        if (count) defines["CONE_COUNTERS"] = std::to_string(kCountStorage);
+        defines["COUNT_SAMPLES"] = count ? "1" : "0";
         program = bench.shaders.computeFromText("cones.comp", kCones, defines);
     }
 
@@ -129,14 +130,13 @@ struct Tracer {
 };
 
 Counts countOf(const Bench& bench, Lab& lab, int cones, double apertureDeg, const Points& points) {
-    const Counts zero{};
-    const gl::Buffer counts(sizeof zero, zero.data());
-    counts.bindBase(GL_SHADER_STORAGE_BUFFER, kCountStorage);
+    gl::Buffer words(kSampleWords * sizeof(std::uint32_t));
+    words.clear();
+    words.bindBase(GL_SHADER_STORAGE_BUFFER, kSampleStorage);
     Tracer(bench, lab, cones, apertureDeg, true).run(points);
-    Counts out{};
-    const auto words = counts.read<std::uint32_t>();
-    std::copy(words.begin(), words.end(), out.begin());
-    return out;
+    const auto read = words.read<std::uint64_t>();  // low word first
+    return {static_cast<double>(read[0]), static_cast<double>(read[1]), static_cast<double>(read[2]),
+            static_cast<double>(read[3])};
 }
 
 /// `apertureDeg` 0: the set's own.
@@ -144,22 +144,19 @@ void addCone(Bench& bench, const std::string& name, const Settings& settings, in
     add("cones/" + name, [=, &bench](benchmark::State& state) {
         Lab lab(bench, roomScene(), settings);
         lab.update({}, true, true);
-        // Counters have 32 bits: they look at a smaller picture of the same.
-        const Points small(bench, lab, bench.smallest ? 32 : 64);
         const Points points(bench, lab, bench.smallest ? 32 : bench.software() ? 64 : 1024);
-        const Counts counts = countOf(bench, lab, cones, apertureDeg, small);
+        const Counts counts = countOf(bench, lab, cones, apertureDeg, points);
         Tracer tracer(bench, lab, cones, apertureDeg, false);
         const double seconds = measure(state, bench, [&] { return tracer.milliseconds(points); });
 
-        const double traced = points.seen * cones, scale = traced / (small.seen * cones);
-        const auto [samples, levels, radiances, nearVoxels] = counts;
+        const double traced = points.seen * cones;
         rate(state, "cones/s", traced, seconds);
-        rate(state, "samples/s", samples * scale, seconds);
-        state.counters["samples/cone"] = samples / (small.seen * cones);
-        state.counters["near/cone"] = nearVoxels / (small.seen * cones);
-        state.counters["gathers/cone"] = radiances / (small.seen * cones);
+        rate(state, "samples/s", counts.samples, seconds);
+        state.counters["samples/cone"] = counts.samples / traced;
+        state.counters["near/cone"] = counts.nearVoxels / traced;
+        state.counters["gathers/cone"] = counts.radiances / traced;
         // Coverage is looked up in one volume, or two for six faces.
-        const double lookups = levels * scale * (lab.voxels.sixFace() ? 2 : 1);
+        const double lookups = counts.levels * (lab.voxels.sixFace() ? 2 : 1);
         rate(state, "lookups/s", lookups, seconds);
         state.counters["of_lookups"] = lookups / seconds / bench.lookupRate;
     });

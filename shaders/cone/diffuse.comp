@@ -49,5 +49,6 @@ void main() {
                                   result.openness);
         }
     }
+    storeSamples();
     imageStore(u_gathered, pixel, sum);
 }

@@ -71,5 +71,6 @@ void main() {
         }
 #endif
     }
+    storeSamples();
     imageStore(u_gathered, pixel, sum);
 }

@@ -1,5 +1,5 @@
 // Cones through the voxels. Needs the defines SIX_FACE, SH1, COMPOSITING_{LINEAR,EXPONENTIAL,ALPHA}, START_NORMAL, FOOTPRINT_CAP,
-// AO_DISTANCE, NEAR_FIELD, CASCADES (more than one level), LAYERS and LEAVES.
+// AO_DISTANCE, NEAR_FIELD, CASCADES (more than one level), LAYERS, LEAVES and COUNT_SAMPLES.
 //
 // All lengths are in voxels of level 0, and positions are relative to the lattice's origin. A place is read at level
 // max(log2 footprint, containment level), where a fraction blends two levels as densities per length.
@@ -36,12 +36,22 @@ uniform usampler3D u_movingIndex;
 // Radiance over u_radianceScale, and coverage, as half floats: six faces a slot, or what light/fold.comp makes of them.
 layout(std430, binding = RADIANCE_STORAGE) readonly buffer Radiance { uvec2 b_radiance[]; };
 
-#ifdef CONE_COUNTERS
-// For bench/: steps marched, levels looked up in the coverage volumes, levels of radiance gathered, voxels of near fields.
-layout(std430, binding = CONE_COUNTERS) buffer ConeCounters { uint b_coneCounts[4]; };
-#define COUNT(what) atomicAdd(b_coneCounts[what], 1u)
+#if COUNT_SAMPLES
+// What the cones of all pixels did, each as low and high word: places that they looked at, which are voxels of their near
+// fields and steps beyond; of these the near fields' voxels; levels looked up in the coverage volumes; levels of radiance.
+layout(std430, binding = SAMPLE_STORAGE) buffer Samples { uvec2 b_samples[4]; };
+uint g_counts[4] = uint[](0u, 0u, 0u, 0u);
+#define COUNT(what) ++g_counts[what]
+/// Once a pixel, at its end.
+void storeSamples() {
+    for (int i = 0; i < 4; ++i) {
+        uint before = atomicAdd(b_samples[i].x, g_counts[i]);
+        if (before + g_counts[i] < before) atomicAdd(b_samples[i].y, 1u);
+    }
+}
 #else
 #define COUNT(what)
+void storeSamples() {}
 #endif
 
 struct Cone {
@@ -144,7 +154,7 @@ void densitiesAt(vec3 x, float lod, out vec3 positive, out vec3 negative) {
     int level = int(lod);
     float next = lod - float(level);
     vec3 at = coverageCoordinates(x, level, texels);
-    COUNT(1);
+    COUNT(2);
     float scale = densityScale(level) * (1.0 - next);
     positive = scale * textureLod(u_coveragePositive, at, 0.0).rgb;
 #if SIX_FACE
@@ -154,7 +164,7 @@ void densitiesAt(vec3 x, float lod, out vec3 positive, out vec3 negative) {
 #endif
     if (next > 0.0) {
         at = coverageCoordinates(x, level + 1, texels);
-        COUNT(1);
+        COUNT(2);
         scale = densityScale(level + 1) * next;
         positive += scale * textureLod(u_coveragePositive, at, 0.0).rgb;
 #if SIX_FACE
@@ -209,7 +219,7 @@ void addVoxel(ivec3 i, int level, ivec3 origin, int face, vec3 d, float weight, 
 /// The same of the eight voxels around `x` at one level, as trilinear filtering weights them. Written out: as a loop inside
 /// those over steps and cones it would use up the iterations that drivers run (see traceConeTo).
 void addLevel(vec3 x, int level, int face, vec3 d, float weight, inout vec4 sum) {
-    COUNT(2);
+    COUNT(3);
     vec3 p = x * exp2(-float(level)) - 0.5;
     vec3 low = floor(p), f = p - low, g = 1.0 - f;
     ivec3 first = ivec3(low), origin = levelOrigin(level, 0);

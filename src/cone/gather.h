@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "cone/cone_uniforms.h"
+#include "cone/sample_counter.h"
 #include "gl/pass_timers.h"
 
 namespace voxcone {
@@ -24,12 +25,19 @@ class DiffusePass {
     void run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer, gl::PassTimers& timers,
              SeamSide side = SeamSide::blended);
 
+    /// Places that the cones of `run` look at: sample_counter.h.
+    std::uint64_t countSamples(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer);
+
     /// RGBA32F: indirect diffuse radiance towards the eye, W/(m² sr), and openness (1 on the background).
     const gl::Texture& texture() const { return diffuse_; }
     std::uint64_t bytes() const { return gathered_.bytes() + diffuse_.bytes(); }
 
   private:
+    void gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
+                SeamSide side);
+
     Settings settings_;
+    SampleCounter samples_;
     gl::Program gather_, filter_;
     gl::Texture gathered_, diffuse_;
 };
@@ -43,13 +51,19 @@ class SpecularPass {
     /// Passes "cones: specular" and "cones: specular filter".
     void run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer, gl::PassTimers& timers);
 
+    /// Places that the cones of `run` look at: sample_counter.h.
+    std::uint64_t countSamples(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer);
+
     /// RGBA32F: indirect specular radiance towards the eye, W/(m² sr).
     const gl::Texture& texture() const { return specular_; }
     std::uint64_t bytes() const { return gathered_.bytes() + specular_.bytes(); }
 
   private:
+    void gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer);
+
     Settings settings_;
     const gl::Texture& specularAlbedo_;
+    SampleCounter samples_;
     gl::Program gather_, filter_;
     gl::Texture gathered_, specular_;
 };

@@ -169,7 +169,7 @@ class Search {
   private:
     static constexpr int kConfirmed = 3;  ///< choices that are confirmed together, at most
 
-    double bound() const { return maxError_ / pictureFactor_; }
+    double bound() const { return maxError_ / result_.pictureFactor; }
 
     bool known(const Choice& choice) const {
         return std::any_of(result_.probes.begin(), result_.probes.end(),
@@ -311,7 +311,7 @@ class Search {
                                      result_.probes[static_cast<std::size_t>(*result_.best)].confirmed->milliseconds)
                 result_.best = static_cast<int>(i);
         }
-        if (count > 0 && space_.smallPictures) pictureFactor_ = std::exp(logarithms / count);
+        if (count > 0 && space_.smallPictures) result_.pictureFactor = std::exp(logarithms / count);
     }
 
     const SearchSpace& space_;
@@ -321,22 +321,10 @@ class Search {
     std::vector<Choice> all_;  ///< canonical; empty when there are too many
     Model time_{space_, +1}, error_{space_, -1};
     std::mt19937 random_{1};
-    double pictureFactor_ = 1;  ///< error of the pictures meant over that of those searched with
     SearchResult result_;
 };
 
 }  // namespace
-
-std::vector<int> SearchResult::front() const {
-    std::vector<int> order, out;
-    for (std::size_t i = 0; i < probes.size(); ++i)
-        if (probes[i].confirmed) order.push_back(static_cast<int>(i));
-    const auto cost = [&](int i) { return *probes[static_cast<std::size_t>(i)].confirmed; };
-    std::sort(order.begin(), order.end(), [&](int a, int b) { return cost(a).milliseconds < cost(b).milliseconds; });
-    for (const int i : order)
-        if (out.empty() || cost(i).error < cost(out.back()).error) out.push_back(i);
-    return out;
-}
 
 SearchResult searchCheapest(const SearchSpace& space, double maxError, int budget, const MeasureChoices& measure) {
     return Search(space, maxError, budget, measure).run();

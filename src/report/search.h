@@ -50,9 +50,7 @@ struct SearchResult {
     std::vector<Probe> probes;  ///< in the order measured
     std::optional<int> best;    ///< index of the cheapest confirmed probe that meets the bound
     int measurements = 0;       ///< of choices, in both stages
-
-    /// The confirmed probes that are faster than all that err less, by time.
-    std::vector<int> front() const;
+    double pictureFactor = 1;   ///< error of the pictures meant over that of those searched with
 };
 
 /// Searches with at most `budget` measurements (at least one for each seed and one more), of which some confirm.

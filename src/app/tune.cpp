@@ -75,7 +75,8 @@ int run(const Options& options) {
 
     const auto context = gl::Context::createHeadless(false);
     Evaluator evaluator(*context, script, options.cache, script.settings.reference);
-    SettingsMeter meter(*context, evaluator, script, options.channel, bound.metric, options.repeats);
+    SettingsMeter meter(*context, evaluator, script, options.channel, bound.metric, options.repeats,
+                        options.frame == "first");
     const std::string name = std::filesystem::path(options.file).stem().string();
     for (int divisor = tuneDivisor(script.settings); divisor > 0; --divisor) {
         Progress progress("reference " + name);

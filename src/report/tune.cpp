@@ -174,13 +174,14 @@ Knob knobFromText(const std::string& text) {
 }
 
 SettingsMeter::SettingsMeter(gl::Context& context, Evaluator& evaluator, const CaptureScript& script,
-                             std::string channel, std::string metric, int repeats)
+                             std::string channel, std::string metric, int repeats, bool firstFrames)
     : context_(context),
       evaluator_(evaluator),
       script_(script),
       channel_(std::move(channel)),
       metric_(std::move(metric)),
-      repeats_(repeats) {}
+      repeats_(repeats),
+      firstFrames_(firstFrames) {}
 
 Settings SettingsMeter::resized(Settings settings, int divisor) const {
     settings.output = script_.settings.output;
@@ -232,7 +233,11 @@ void SettingsMeter::measureShot(const Shot& shot, const std::vector<Settings>& l
     }
     std::vector<std::vector<Repeat>> repeats(list.size());
     for (int n = 0; n < repeats_; ++n)
-        for (std::size_t i = 0; i < list.size(); ++i) attempt(i, [&] { repeats[i].push_back(trials[i]->repeat()); });
+        for (std::size_t i = 0; i < list.size(); ++i)
+            attempt(i, [&] {
+                const bool all = n == 0 || firstFrames_;
+                repeats[i].push_back(all ? trials[i]->repeat() : Repeat{repeats[i][0].first, trials[i]->again()});
+            });
 
     const double pixels = static_cast<double>(script_.settings.output.width) * script_.settings.output.height;
     for (std::size_t i = 0; i < list.size(); ++i) {

@@ -61,9 +61,10 @@ struct Measured {
 class SettingsMeter {
   public:
     /// `script` without extracted lights, as Evaluator takes it; both must outlive this object. `metric`: a key of
-    /// ChannelResult::errors that is better when it is small; its magnitude is taken.
+    /// ChannelResult::errors that is better when it is small; its magnitude is taken. `repeats`: frames whose median
+    /// counts, of steady ones; of first ones only with `firstFrames`, else one is rendered, which may take much longer.
     SettingsMeter(gl::Context& context, Evaluator& evaluator, const CaptureScript& script, std::string channel,
-                  std::string metric, int repeats);
+                  std::string metric, int repeats, bool firstFrames);
 
     /// Renders the references of pictures of 1/`divisor` of the script's width and height. `progress` gets 0…1. Throws
     /// InputError when a shot's reference is black in the channel.
@@ -72,8 +73,6 @@ class SettingsMeter {
     /// Renders all of `list` in turns. With a `divisor` errors are those of the smaller pictures, but times and samples
     /// are estimates for the whole ones: passes over pixels take divisor² times as long.
     std::vector<Measured> measure(const std::vector<Settings>& list, int divisor);
-
-    int repeats() const { return repeats_; }
 
   private:
     Settings resized(Settings settings, int divisor) const;
@@ -84,6 +83,7 @@ class SettingsMeter {
     const CaptureScript& script_;
     std::string channel_, metric_;
     int repeats_;
+    bool firstFrames_;
 };
 
 struct TuneOptions {

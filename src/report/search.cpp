@@ -21,7 +21,7 @@ class Model {
   public:
     /// `direction`: +1 when steps of knobs are thought to raise the value, −1 to lower it.
     Model(const SearchSpace& space, int direction) : direction_(direction) {
-        parameters_.steps.assign(space.sizes.size(), 0.15);
+        parameters_.steps.assign(space.sizes.size(), 0.2);
     }
 
     /// `noise`: the standard deviations that a measurement may have; the likeliest is taken.
@@ -107,8 +107,8 @@ class Model {
             for (std::size_t j = i + 1; j < n; ++j) weights_[i] -= lower_[j * n + i] * weights_[j];
             weights_[i] /= lower_[i * n + i];
         }
-        // Steps change about 15 %, give or take a factor of three.
-        for (const double step : parameters_.steps) score -= 0.5 * std::pow(std::log(step / 0.15) / std::log(3.0), 2);
+        // Steps change about 20 %, give or take a factor of three.
+        for (const double step : parameters_.steps) score -= 0.5 * std::pow(std::log(step / 0.2) / std::log(3.0), 2);
         return score;
     }
 
@@ -167,7 +167,7 @@ class Search {
     }
 
   private:
-    static constexpr int kConfirmed = 3;  ///< choices that are confirmed together, at most
+    static constexpr int kConfirmed = 2;  ///< choices that are confirmed together, at most
 
     double bound() const { return maxError_ / result_.pictureFactor; }
 
@@ -198,15 +198,27 @@ class Search {
         error_.fit(choices, errors, {0.003, 0.02});
     }
 
+    /// How likely a choice can be rendered: each of its values is blamed for its share of failures.
+    double chance(const Choice& choice) const {
+        double chance = 1;
+        for (std::size_t k = 0; k < choice.size(); ++k) {
+            int measured = 0, failed = 0;
+            for (const SearchResult::Probe& p : result_.probes)
+                if (p.choice[k] == choice[k]) ++measured, failed += !p.cost;
+            chance *= 1 - failed / (measured + 1.0);
+        }
+        return chance;
+    }
+
     /// Gain that is expected of measuring a choice: of the logarithm of time, or before the bound is met once, the
     /// probability that it will be.
     double gain(const Choice& choice, const std::optional<double>& bestTime) const {
         const Prediction error = error_.predict(choice);
         const double margin = (std::log(bound()) - error.mean) / error.deviation;
-        if (!bestTime) return margin;
+        if (!bestTime) return margin + 2 * std::log(chance(choice));
         const Prediction time = time_.predict(choice);
         const double z = (*bestTime - time.mean) / time.deviation;
-        return normalBelow(margin) * time.deviation * (z * normalBelow(z) + normalDensity(z));
+        return chance(choice) * normalBelow(margin) * time.deviation * (z * normalBelow(z) + normalDensity(z));
     }
 
     /// What to measure next; none when nothing is worth it.
@@ -280,11 +292,11 @@ class Search {
         if (meet.empty())
             meet = {*std::min_element(order.begin(), order.end(),
                                       [&](std::size_t a, std::size_t b) { return cost(a).error < cost(b).error; })};
-        // What takes a third longer than the cheapest is not the cheapest, whatever the clock's noise.
+        // What takes 15 % longer than the cheapest is hardly the cheapest, whatever the clock says.
         std::vector<std::size_t> chosen;
         for (const std::size_t i : meet)
             if (static_cast<int>(chosen.size()) < most && !result_.probes[i].confirmed &&
-                cost(i).milliseconds <= 1.35 * cost(meet.front()).milliseconds)
+                cost(i).milliseconds <= 1.15 * cost(meet.front()).milliseconds)
                 chosen.push_back(i);
         if (chosen.empty()) return false;
 

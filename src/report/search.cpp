@@ -58,7 +58,8 @@ class Model {
             k[i] /= lower_[i * n + i];
             variance -= k[i] * k[i];
         }
-        return {mean, std::sqrt(std::max(variance, 1e-8))};
+        // What measurements differ by beside the model may be the truth just as well as noise.
+        return {mean, std::sqrt(std::max(variance, 1e-8) + parameters_.noise * parameters_.noise)};
     }
 
   private:
@@ -195,7 +196,7 @@ class Search {
             errors.push_back(std::log(p.cost->error));
         }
         time_.fit(choices, times, {0.01, 0.03, 0.1, 0.25});
-        error_.fit(choices, errors, {0.003, 0.02});
+        error_.fit(choices, errors, {0.03, 0.08});
     }
 
     /// How likely a choice can be rendered: each of its values is blamed for its share of failures.
@@ -244,8 +245,8 @@ class Search {
         } else {
             climb(consider);
         }
-        // A third of a per cent is less than times can tell; so is one chance in a thousand of meeting the bound.
-        if (bestTime ? bestGain < 0.003 : bestGain < -3) return std::nullopt;
+        // A fifth of a per cent is less than times can tell; one chance in a thousand of meeting the bound is none.
+        if (bestTime ? bestGain < 0.002 : bestGain < -3) return std::nullopt;
         return best;
     }
 

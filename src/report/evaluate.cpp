@@ -199,6 +199,12 @@ Measurement summarize(const std::vector<Repeat>& repeats) {
     return out;
 }
 
+Image shownReference(const std::string& channel, const Image& linear, const Settings& settings) {
+    Image image = linear;
+    if (channel == "beauty") multiplyBy(image, exposureOf(settings));
+    return shownOf(channel, image, settings);
+}
+
 const std::vector<std::string>& comparedChannels() {
     static const std::vector<std::string> channels = {"beauty", "indirect_diffuse", "indirect_specular",
                                                       "transmission"};
@@ -267,7 +273,8 @@ PictureResult Trial::picture(const Reference& reference, const std::vector<std::
         result.errors = metricsByName(linearError(truth, test));
         const HdrFlip hdr = hdrFlip(truth, test);
         result.errors["hdr_flip"] = meanOf(hdr.error);
-        result.errors.merge(metricsByName(displayError(quantized(shownOf(channel, truth, settings_)), result.shown)));
+        const Image shownTruth = quantized(shownOf(channel, truth, settings_));
+        result.errors.merge(metricsByName(displayError(shownTruth, result.shown)));
         result.heatmap = heatmap(hdr.error);
     }
     return out;

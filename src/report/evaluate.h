@@ -107,6 +107,9 @@ class Trial {
     std::unique_ptr<Renderer> renderer_;
 };
 
+/// What a PNG of a reference's channel shows: as `voxcone reference` writes it.
+Image shownReference(const std::string& channel, const Image& linear, const Settings& settings);
+
 /// Channels that are compared unless something else is asked for: beauty, and what is not direct light.
 const std::vector<std::string>& comparedChannels();
 

@@ -146,7 +146,7 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(0.0, 1.0));
     app.add_option("--repeats", options.repeats, "frames timed for a measurement")->capture_default_str();
     app.add_option("--table", options.table, "JSON file that keeps the sweep");
-    app.add_option("--cache", options.cache, "folder that keeps references")->capture_default_str();
+    app.add_option("--references", options.cache, "folder that keeps references")->capture_default_str();
     app.add_flag("--fresh", options.fresh, "the search renders again instead of reading the sweep's figures");
     CLI11_PARSE(app, argc, argv);
     try {

@@ -59,7 +59,7 @@ void printFront(const TuneResult& result, const TuneSpace& space, const std::str
 }
 
 struct Options : ScriptOptions {
-    std::string maxError, channel = "beauty", frame = "steady", out, cache;
+    std::string maxError, channel = "beauty", frame = "steady", out, references;
     std::optional<double> maxMilliseconds;
     int budget = 40, repeats = 3;
     std::vector<std::string> vary;
@@ -74,7 +74,7 @@ int run(const Options& options) {
     if (!knobs.empty()) space.knobs = std::move(knobs);
 
     const auto context = gl::Context::createHeadless(false);
-    Evaluator evaluator(*context, script, options.cache, script.settings.reference);
+    Evaluator evaluator(*context, script, options.references, script.settings.reference);
     SettingsMeter meter(*context, evaluator, script, options.channel, bound.metric, options.repeats,
                         options.frame == "first");
     const std::string name = std::filesystem::path(options.file).stem().string();
@@ -131,7 +131,7 @@ int run(const Options& options) {
 
 Command tuneCommand(CLI::App& app) {
     const auto options = std::make_shared<Options>();
-    options->cache = (std::filesystem::temp_directory_path() / "voxcone-references").string();
+    options->references = (std::filesystem::temp_directory_path() / "voxcone-references").string();
     CLI::App* parser =
         app.add_subcommand("tune", "Find the cheapest settings for a scene that meet a bound on the error");
     options->addTo(*parser, true);
@@ -161,7 +161,7 @@ Command tuneCommand(CLI::App& app) {
     parser->add_option("--repeats", options->repeats, "frames timed for a measurement, of which the median counts")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
-    parser->add_option("--cache", options->cache, "folder that keeps references")
+    parser->add_option("--references", options->references, "folder that keeps references, as that of report")
         ->type_name("DIR")
         ->capture_default_str();
     return {parser, "voxcone tune SCRIPT.json|SCENE.gltf --max-error METRIC=VALUE [--out FILE.json] [--set KEY=VALUE]…",

@@ -20,7 +20,7 @@ class Tune : public testing::Test {
     Outcome tune(const std::string& bound, const std::vector<std::string>& more = {},
                  const std::string& channel = "indirect_diffuse") {
         std::vector<std::string> arguments = {"tune",      script_, "--max-error", bound,
-                                              "--channel", channel, "--cache",     (folder_.path() / "cache").string(),
+                                              "--channel", channel, "--references",     (folder_.path() / "cache").string(),
                                               "--repeats", "1",     "--budget",    "6"};
         for (const char* setting : {"output.width=16", "output.height=16", "voxel.resolution=16",
                                     "light.shadow_resolution=128", "light.bounces=1", "reference.samples=16"})

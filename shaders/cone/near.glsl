@@ -118,7 +118,8 @@ void nearFieldAt(Cone cone, int level, float weight, float near, float reach, in
     float t = 0.0;
     for (int k = 0; k < 256 && t < end; ++k) {
         if (level >= u_firstFixed && any(notEqual(i & ~mask, ivec3(0)))) break;
-        COUNT_SAMPLE;
+        COUNT(0);
+        COUNT(1);
         vec2 inside = vec2(t, min(next.x, min(next.y, next.z)));
         ivec3 texel = origin + (i & mask);
         NearHit hit = NearHit(0.0, 0.0, 0u);

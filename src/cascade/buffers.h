@@ -30,6 +30,9 @@ enum VoxelStorageBlock : int {
     kBouncedStorage = 2,  // coverage of the faces that gather
 };
 
+/// Of the block of samples: shaders/cone/trace.glsl.
+constexpr int kSampleWords = 8;
+
 struct VoxelCounters {
     std::uint32_t fresh = 0;             ///< voxels that got a record in this update
     std::uint32_t freshOfLayer[2] = {};  ///< those of static and of moving geometry; the others are mips

@@ -10,7 +10,7 @@ std::uint64_t SampleCounter::count(const std::function<void(gl::Program&)>& disp
         defines_["COUNT_SAMPLES"] = "1";
         program_ = shaders_->compute(path_, defines_);
     }
-    gl::Buffer words(2 * sizeof(std::uint32_t));
+    gl::Buffer words(kSampleWords * sizeof(std::uint32_t));
     words.clear();
     words.bindBase(GL_SHADER_STORAGE_BUFFER, kSampleStorage);
     dispatch(program_);

@@ -220,17 +220,18 @@ Trial::Trial(gl::Context& context, std::shared_ptr<const Scene> scene, const Sho
     for (int i = 0; i < std::max(warmUp, 1); ++i) repeat();
 }
 
+FrameTimes Trial::again() {
+    renderer_->render(camera_);
+    context_.checkErrors();
+    return {renderer_->stats().frameMilliseconds, renderer_->stats().passes};
+}
+
 Repeat Trial::repeat() {
-    const auto frame = [&] {
-        renderer_->render(camera_);
-        context_.checkErrors();
-        return FrameTimes{renderer_->stats().frameMilliseconds, renderer_->stats().passes};
-    };
     Repeat out;
     renderer_->invalidate();
-    out.first = frame();
-    for (int i = 0; i < kMostWaiting && renderer_->stats().counts.at("levels_waiting") > 0; ++i) frame();
-    out.steady = frame();
+    out.first = again();
+    for (int i = 0; i < kMostWaiting && renderer_->stats().counts.at("levels_waiting") > 0; ++i) again();
+    out.steady = again();
     return out;
 }
 

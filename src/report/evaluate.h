@@ -88,6 +88,9 @@ class Trial {
     /// between, so that the steady frame shows the same.
     Repeat repeat();
 
+    /// Renders one more frame like the last, in which nothing has moved.
+    FrameTimes again();
+
     std::uint64_t memoryBytes() const;
 
     /// Errors of the last frame in every channel of `channels` that `reference` has. `multiplyAo`: indirect diffuse

@@ -1,18 +1,19 @@
 // SHA-256 (FIPS 180-4): names files in caches by what they were made of.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <cstring>
-#include <span>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <type_traits>
+
+struct evp_md_ctx_st;
 
 namespace voxcone {
 
 class Sha256 {
   public:
+    Sha256();
+
     Sha256& add(const void* data, std::size_t bytes);
 
     /// The length goes first, so that "a", "bc" and "ab", "c" differ.
@@ -29,12 +30,10 @@ class Sha256 {
     std::string hex();
 
   private:
-    void block(const std::uint8_t* data);
-
-    std::array<std::uint32_t, 8> state_ = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
-                                           0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
-    std::array<std::uint8_t, 64> pending_{};
-    std::uint64_t bytes_ = 0;
+    struct Free {
+        void operator()(evp_md_ctx_st* context) const;
+    };
+    std::unique_ptr<evp_md_ctx_st, Free> context_;
 };
 
 }  // namespace voxcone

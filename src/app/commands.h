@@ -23,6 +23,7 @@ Command captureCommand(CLI::App& app);
 Command referenceCommand(CLI::App& app);
 Command compareCommand(CLI::App& app);
 Command infoCommand(CLI::App& app);
+Command viewCommand(CLI::App& app);
 
 /// What `capture`, `reference` and `info` are given: a script or scene and changes to its settings.
 struct ScriptOptions {

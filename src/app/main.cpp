@@ -24,7 +24,8 @@ int run(int argc, char** argv) {
     app.footer(
         "Exit status: 0 done, 1 a comparison over its bound, 2 wrong usage, 3 bad input, 4 no usable device.\n"
         "Results go to standard output, messages to standard error. `voxcone COMMAND --help` says more.");
-    const Command commands[] = {captureCommand(app), referenceCommand(app), compareCommand(app), infoCommand(app)};
+    const Command commands[] = {captureCommand(app), referenceCommand(app), compareCommand(app), infoCommand(app),
+                                viewCommand(app)};
     const auto chosen = [&]() -> const Command* {
         for (const Command& command : commands) {
             if (command.parser->parsed()) return &command;
@@ -33,7 +34,8 @@ int run(int argc, char** argv) {
     };
     const auto usage = [&] {
         const Command* command = chosen();
-        return command != nullptr ? command->usage : "voxcone capture|reference|compare|info … (see voxcone --help)";
+        return command != nullptr ? command->usage
+                                  : "voxcone capture|reference|compare|info|view … (see voxcone --help)";
     };
     try {
         app.parse(argc, argv);

@@ -1,5 +1,7 @@
 #include "cone/gather.h"
 
+#include <algorithm>
+
 #include "gl/bindings.h"
 
 namespace voxcone {
@@ -23,6 +25,21 @@ void dispatchPixels(gl::Program& program, const gl::Texture& output, const char*
     gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
 }
 
+/// The same for shaders that count rows from u_firstRow: in bands, before each of which `stop` is asked.
+void dispatchBands(gl::Program& program, const gl::Texture& output, const char* image, GLenum format,
+                   const Stop& stop) {
+    constexpr int kGroup = 8, kPixels = 1 << 14;  // a band: some tens of milliseconds on a software rasteriser
+    const int rows = gl::groupsFor(output.height(), kGroup);
+    const int band = stop ? std::clamp(kPixels / (kGroup * output.width()), 1, rows) : rows;
+    output.bindImage(kOutputImage, 0, GL_WRITE_ONLY, format);
+    program.set(image, kOutputImage);
+    for (int row = 0; row < rows && !(stop && stop()); row += band) {
+        program.set("u_firstRow", kGroup * row);
+        gl::dispatch(program, gl::groupsFor(output.width(), kGroup), std::min(band, rows - row), 1);
+    }
+    gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+}
+
 float inverseVoxelSize(const RadianceVolume& volume) {
     return static_cast<float>(1 / volume.voxels->layout.voxelSize);
 }
@@ -39,12 +56,16 @@ DiffusePass::DiffusePass(const gl::ShaderLibrary& shaders, const Settings& setti
     filterDefines["ROTATE"] = defines["ROTATE"];
     filterDefines["CASCADES"] = defines["CASCADES"];
     filter_ = shaders.compute("cone/filter.comp", filterDefines);
+    resize(width, height);
+}
+
+void DiffusePass::resize(int width, int height) {
     gathered_ = gl::Texture::create2D(GL_RGBA32F, width, height);
     diffuse_ = gl::Texture::create2D(GL_RGBA32F, width, height);
 }
 
 void DiffusePass::run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
-                      gl::PassTimers& timers, SeamSide side) {
+                      gl::PassTimers& timers, SeamSide side, const Stop& stop) {
     {
         const auto pass = timers.pass("cones: diffuse");
         setConeUniforms(gather_, settings_, sky, volume, settings_.cone.step, kConeUnit);
@@ -53,8 +74,9 @@ void DiffusePass::run(const RadianceVolume& volume, const Sky& sky, const BindGB
         gather_.set("u_coarserSide", side == SeamSide::coarser);
         gather_.set("u_inverseVoxelSize", inverseVoxelSize(volume));
         bindGBuffer(gather_, kGBufferUnit);
-        dispatchPixels(gather_, gathered_, "u_gathered", GL_RGBA32F);
+        dispatchBands(gather_, gathered_, "u_gathered", GL_RGBA32F, stop);
     }
+    if (stop && stop()) return;
     const auto pass = timers.pass("cones: filter");
     gathered_.bindTo(kOwnUnit);
     filter_.set("u_gathered", kOwnUnit);
@@ -79,12 +101,16 @@ SpecularPass::SpecularPass(const gl::ShaderLibrary& shaders, const Settings& set
     gl::Defines filterDefines = gbufferDefines;
     for (const char* name : {"CONES", "ROTATE", "CASCADES"}) filterDefines[name] = defines[name];
     filter_ = shaders.compute("cone/specular_filter.comp", filterDefines);
+    resize(width, height);
+}
+
+void SpecularPass::resize(int width, int height) {
     gathered_ = gl::Texture::create2D(GL_RGBA32F, width, height);
     specular_ = gl::Texture::create2D(GL_RGBA32F, width, height);
 }
 
 void SpecularPass::run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
-                       gl::PassTimers& timers) {
+                       gl::PassTimers& timers, const Stop& stop) {
     // Roughness 0.14: voxels do not resolve smoother lobes (docs/accuracy.md).
     constexpr float kSmoothAlpha = 0.02f;
     {
@@ -95,8 +121,9 @@ void SpecularPass::run(const RadianceVolume& volume, const Sky& sky, const BindG
         gather_.set("u_inverseVoxelSize", inverseVoxelSize(volume));
         gather_.set("u_smoothAlpha", kSmoothAlpha);
         bindGBuffer(gather_, kGBufferUnit);
-        dispatchPixels(gather_, gathered_, "u_gathered", GL_RGBA32F);
+        dispatchBands(gather_, gathered_, "u_gathered", GL_RGBA32F, stop);
     }
+    if (stop && stop()) return;
     const auto pass = timers.pass("cones: specular filter");
     gathered_.bindTo(kOwnUnit);
     filter_.set("u_gathered", kOwnUnit);
@@ -116,6 +143,10 @@ SoftShadowPass::SoftShadowPass(const gl::ShaderLibrary& shaders, const Settings&
     defines["AO_DISTANCE"] = "0";
     defines["SHADOW_CONES"] = std::to_string(settings.shadow.coneCount);
     program_ = shaders.compute("cone/soft_shadow.comp", defines);
+    resize(width, height);
+}
+
+void SoftShadowPass::resize(int width, int height) {
     visibility_ = gl::Texture::create2D(GL_R32F, width, height);
 }
 

@@ -19,6 +19,10 @@ RefractionPass::RefractionPass(const gl::ShaderLibrary& shaders, const Settings&
     defines["BEAMS"] = any([](const Material& m) { return m.transmission > 0; });
     defines["SCATTERING"] = any([](const Material& m) { return m.diffuseTransmission > 0; });
     program_ = shaders.compute("cone/refraction.comp", defines);
+    resize(width, height);
+}
+
+void RefractionPass::resize(int width, int height) {
     transmission_ = gl::Texture::create2D(GL_RGBA32F, width, height);
 }
 

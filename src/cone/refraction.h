@@ -20,6 +20,9 @@ class RefractionPass {
     /// Pass "cones: refraction".
     void run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer, gl::PassTimers& timers);
 
+    /// Another size of the G-buffer.
+    void resize(int width, int height);
+
     /// RGBA32F: transmitted radiance towards the eye, W/(m² sr), without that of analytic lights.
     const gl::Texture& texture() const { return transmission_; }
 

@@ -2,11 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "cascade/update.h"
 #include "core/settings.h"
 #include "metric/image.h"
 #include "metric/temporal.h"
@@ -16,7 +20,8 @@ namespace voxcone {
 
 namespace gl {
 class Context;
-}
+class Texture;
+}  // namespace gl
 
 /// What one frame cost. Times are of the device (`timer` says how they were taken).
 struct FrameStats {
@@ -50,13 +55,24 @@ struct LeftOut {
     std::string what, why;
 };
 
+/// Where the clipmap is, and what the last frame voxelized of it.
+struct ClipmapState {
+    ClipmapLayout layout;
+    glm::dvec3 origin{0};  ///< world position of voxel index 0
+    glm::dvec3 center{0};  ///< world position around which levels blend
+    double radius = 0;     ///< half-edge of the cube around the centre in which level 0 may be read, metres
+    ClipmapUpdate update;  ///< windows of levels and mips, and the regions that were voxelized
+};
+
 /// Renders one scene. Not thread-safe: lives on the thread of its context.
 class Renderer {
   public:
     /// Uploads `scene` as it is at `time` seconds and allocates only what scene and settings need. Throws DeviceError
-    /// when a limit is too small. `scene` must outlive the renderer.
-    Renderer(gl::Context& context, const Scene& scene, const Settings& settings, double time = 0);
-    Renderer(gl::Context&, Scene&&, const Settings&, double = 0) = delete;
+    /// when a limit is too small. `scene` must outlive the renderer; its lights may change between frames, though not
+    /// in number or type. `shaderFolder`: as gl::ShaderLibrary; throws gl::ShaderError when one does not compile.
+    Renderer(gl::Context& context, const Scene& scene, const Settings& settings, double time = 0,
+             const std::filesystem::path& shaderFolder = {});
+    Renderer(gl::Context&, Scene&&, const Settings&, double = 0, const std::filesystem::path& = {}) = delete;
     ~Renderer();
     Renderer(const Renderer&) = delete;
     Renderer& operator=(const Renderer&) = delete;
@@ -64,9 +80,16 @@ class Renderer {
     /// Moves animated nodes to `time`; voxels and shadow maps follow with the next frame.
     void setTime(double time);
 
+    /// Other sizes, supersamples, exposure and tone curve from the next frame on; voxels and their light stay.
+    void setOutput(const Settings::Output& output);
+
+    /// Centres the clipmap at `eye` (world space) instead of at the camera, or at the camera again.
+    void setClipmapEye(const std::optional<glm::dvec3>& eye);
+
     /// Draws one frame into the device's channels. Voxels, shadow maps and bounces are renewed where the camera's or
-    /// the scene's motion asks for it.
-    void render(const Camera& worldCamera);
+    /// the scene's motion asks for it. `stop` is asked between passes of the picture and within its long ones: true
+    /// abandons the frame, after which voxels are whole but no channel is. False when that happened.
+    bool render(const Camera& worldCamera, const std::function<bool()>& stop = {});
 
     /// The same, and how the indirect diffuse light of what this frame shows has changed since the last frame: the same
     /// surface points are gathered with the voxels of both. Without a frame before, nothing has.
@@ -79,6 +102,8 @@ class Renderer {
 
     /// Beauty through the tone curve, linear display-referred in [0,1].
     Image display();
+    /// The same on the device: RGBA32F, row 0 at the bottom, ready to be fetched.
+    gl::Texture displayTexture();
 
     /// The steps between levels in the last frame, which are gathered anew.
     std::vector<SeamStep> seam();
@@ -93,6 +118,9 @@ class Renderer {
         std::string leftOut;  ///< why it is not allocated; empty when it is
     };
     std::vector<Level> levels() const;
+
+    /// Of the last frame, also if it was abandoned; a layout without levels for a scene without triangles.
+    ClipmapState clipmap() const;
 
     /// Forgets the voxels, so that the next frame builds them again: for timing and for determinism tests.
     void invalidate();

@@ -8,8 +8,13 @@
 namespace voxcone {
 
 VoxelView::VoxelView(const gl::ShaderLibrary& shaders, const Voxels& voxels, int width, int height)
-    : program_(shaders.compute("frame/voxel_view.comp", {{"LAYERS", voxels.anyMoving() ? "2" : "1"}})),
-      picture_(gl::Texture::create2D(GL_RGBA32F, width, height)) {}
+    : program_(shaders.compute("frame/voxel_view.comp", {{"LAYERS", voxels.anyMoving() ? "2" : "1"}})) {
+    resize(width, height);
+}
+
+void VoxelView::resize(int width, int height) {
+    picture_ = gl::Texture::create2D(GL_RGBA32F, width, height);
+}
 
 void VoxelView::draw(const std::string& what, int level, const CameraView& view, const RadianceVolume& volume,
                      const gl::Buffer& faceRadiance) {

@@ -13,6 +13,9 @@ class VoxelView {
     /// Size in pixels of the G-buffer.
     VoxelView(const gl::ShaderLibrary& shaders, const Voxels& voxels, int width, int height);
 
+    /// Another size of the G-buffer.
+    void resize(int width, int height);
+
     /// `what`: voxel_albedo, voxel_normal, voxel_radiance (of the face that looks to the eye) or voxel_opacity (its
     /// coverage). `level`: all of one level or mip; −1 each level where cones read it. `faceRadiance` is
     /// RadianceField::faces().

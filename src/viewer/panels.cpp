@@ -1,0 +1,563 @@
+#include "viewer/panels.h"
+
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace voxcone {
+namespace {
+
+const ImVec4 kDim{0.6f, 0.6f, 0.6f, 1}, kChanged{1, 0.75f, 0.25f, 1}, kError{1, 0.45f, 0.4f, 1};
+
+/// Dear ImGui's format strings are not ours to fill.
+void text(const std::string& line) {
+    ImGui::TextUnformatted(line.c_str(), line.c_str() + line.size());
+}
+
+void dim(const std::string& line) {
+    ImGui::PushStyleColor(ImGuiCol_Text, kDim);
+    ImGui::PushTextWrapPos(0);
+    text(line);
+    ImGui::PopTextWrapPos();
+    ImGui::PopStyleColor();
+}
+
+void tip(const std::string& line) {
+    if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(26 * ImGui::GetFontSize());
+    text(line);
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+}
+
+std::string megabytes(std::uint64_t bytes) {
+    return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
+}
+
+// ---- Scene
+
+constexpr std::array kLightTypes = {"directional", "point", "spot", "sphere", "rectangle"};
+
+void drawLight(Session& session, std::size_t index) {
+    Light& light = session.lights[index];
+    const std::string label = fmt::format("{} ({}{})", light.name, kLightTypes[static_cast<std::size_t>(light.type)],
+                                          light.extracted ? ", extracted" : "");
+    ImGui::PushID(static_cast<int>(index));
+    if (ImGui::TreeNode("##light", "%s", label.c_str())) {
+        const bool animated = !light.track.position.empty() || !light.track.direction.empty() ||
+                              !light.track.intensity.empty() || light.extracted;
+        ImGui::BeginDisabled(animated);
+        const double extent = glm::length(session.facts->bounds.size());
+        if (light.type != LightType::directional)
+            ImGui::DragScalarN("position", ImGuiDataType_Double, &light.position.x, 3,
+                               static_cast<float>(std::max(extent, 1e-9) * 1e-3), nullptr, nullptr, "%.4g");
+        if (light.type == LightType::directional || light.type == LightType::spot) {
+            // Height and bearing of where the light comes from.
+            double height = glm::degrees(std::asin(std::clamp(-light.direction.y, -1.0, 1.0)));
+            double bearing = glm::degrees(std::atan2(-light.direction.x, -light.direction.z));
+            const double low = -89.9, high = 89.9, west = -180, east = 180;
+            bool turned = ImGui::SliderScalar("height", ImGuiDataType_Double, &height, &low, &high, "%.1f deg");
+            turned |= ImGui::SliderScalar("bearing", ImGuiDataType_Double, &bearing, &west, &east, "%.1f deg");
+            if (turned) {
+                const double h = glm::radians(height), b = glm::radians(bearing);
+                light.direction =
+                    glm::normalize(-glm::dvec3(std::cos(h) * std::sin(b), std::sin(h), std::cos(h) * std::cos(b)));
+            }
+        }
+        ImGui::DragFloat3("intensity", &light.intensity.x,
+                          0.01f * std::max(0.1f, std::max({light.intensity.x, light.intensity.y, light.intensity.z})),
+                          0, 1e9f, "%.4g");
+        ImGui::EndDisabled();
+        if (animated) dim(light.extracted ? "stands for a part of the panorama or for an emitting mesh" : "animated");
+        ImGui::TreePop();
+    }
+    ImGui::PopID();
+}
+
+void drawNode(const Scene& scene, const std::vector<std::vector<int>>& children, int node) {
+    const Node& n = scene.nodes[static_cast<std::size_t>(node)];
+    const auto& below = children[static_cast<std::size_t>(node)];
+    const auto flags = below.empty() ? ImGuiTreeNodeFlags_Leaf : ImGuiTreeNodeFlags_None;
+    if (ImGui::TreeNodeEx(reinterpret_cast<void*>(static_cast<std::intptr_t>(node + 1)), flags, "%s",
+                          n.name.empty() ? fmt::format("node {}", node).c_str() : n.name.c_str())) {
+        for (const int child : below) drawNode(scene, children, child);
+        ImGui::TreePop();
+    }
+}
+
+void drawScenePanel(Session& session) {
+    const SceneFacts& facts = *session.facts;
+    const Scene& scene = facts.outline;
+    text(facts.file.filename().string());
+    const glm::dvec3 size = facts.bounds.size();
+    dim(fmt::format("{} triangles, {:.4g} x {:.4g} x {:.4g} m", facts.triangles, size.x, size.y, size.z));
+    if (ImGui::TreeNodeEx("cameras", ImGuiTreeNodeFlags_DefaultOpen)) {
+        for (std::size_t i = 0; i < facts.shots.size(); ++i) {
+            ImGui::PushID(static_cast<int>(i));
+            if (ImGui::Selectable(("shot " + facts.shots[i].name).c_str(), session.shot == static_cast<int>(i)))
+                session.takeShot(static_cast<int>(i));
+            ImGui::PopID();
+        }
+        for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
+            ImGui::PushID(static_cast<int>(i + 10000));
+            if (ImGui::Selectable(("camera " + scene.cameras[i].name).c_str())) session.takeCamera(scene.cameras[i]);
+            ImGui::PopID();
+        }
+        ImGui::TreePop();
+    }
+    if (ImGui::TreeNode("lights", "lights (%d)", static_cast<int>(session.lights.size()))) {
+        for (std::size_t i = 0; i < session.lights.size(); ++i) drawLight(session, i);
+        ImGui::TreePop();
+    }
+    if (ImGui::TreeNode("materials", "materials (%d)", static_cast<int>(scene.materials.size()))) {
+        for (const Material& m : scene.materials) {
+            const ImVec4 color(m.baseColor.x, m.baseColor.y, m.baseColor.z, 1);
+            ImGui::PushID(&m);
+            ImGui::ColorButton("##color", color, ImGuiColorEditFlags_NoTooltip);
+            ImGui::SameLine();
+            text(m.name.empty() ? "unnamed" : m.name);
+            tip(fmt::format("metallic {:.3g}, roughness {:.3g}{}{}{}{}", m.metallic, m.roughness,
+                            m.emits() ? ", emits" : "", m.transmits() ? ", transmits" : "", m.unlit ? ", unlit" : "",
+                            scene.isLeaves(m) ? ", leaves" : ""));
+            ImGui::PopID();
+        }
+        ImGui::TreePop();
+    }
+    if (ImGui::TreeNode("nodes", "nodes (%d)", static_cast<int>(scene.nodes.size()))) {
+        std::vector<std::vector<int>> children(scene.nodes.size());
+        for (std::size_t i = 0; i < scene.nodes.size(); ++i)
+            if (scene.nodes[i].parent >= 0)
+                children[static_cast<std::size_t>(scene.nodes[i].parent)].push_back(static_cast<int>(i));
+        for (std::size_t i = 0; i < scene.nodes.size(); ++i)
+            if (scene.nodes[i].parent < 0) drawNode(scene, children, static_cast<int>(i));
+        ImGui::TreePop();
+    }
+    if (facts.duration > 0) {
+        ImGui::Checkbox("play", &session.playing);
+        ImGui::SameLine();
+        const double zero = 0;
+        ImGui::SetNextItemWidth(-1);
+        ImGui::SliderScalar("##time", ImGuiDataType_Double, &session.time, &zero, &facts.duration, "%.3f s");
+        const Shot& shot = facts.shots[static_cast<std::size_t>(session.shot)];
+        if (!shot.path.empty() || shot.camera.node >= 0)
+            ImGui::Checkbox("camera follows the shot", &session.followShot);
+    }
+}
+
+// ---- View
+
+void drawViewPanel(Session& session) {
+    if (ImGui::BeginCombo("channel", session.channel.c_str())) {
+        for (const std::string& name : channelNames())
+            if (ImGui::Selectable(name.c_str(), name == session.channel)) session.channel = name;
+        ImGui::EndCombo();
+    }
+    const Camera c = session.camera.camera();
+    double fov = c.verticalFovDeg;
+    const double low = 1, high = 170;
+    if (ImGui::SliderScalar("field of view", ImGuiDataType_Double, &fov, &low, &high, "%.1f deg"))
+        session.camera.fieldOfView(fov);
+    dim(fmt::format("eye {:.4g} {:.4g} {:.4g}\ntarget {:.4g} {:.4g} {:.4g}", c.position.x, c.position.y, c.position.z,
+                    c.target.x, c.target.y, c.target.z));
+    ImGui::Checkbox("picture follows the window", &session.followWindow);
+    tip("output.width and output.height are those of the place in the window");
+    if (ImGui::Button("all of the scene")) session.frameScene();
+    for (std::size_t i = 0; i < session.views.size(); ++i) {
+        ImGui::PushID(static_cast<int>(i));
+        if (ImGui::Button("go")) session.recallView(session.views[i]);
+        ImGui::SameLine();
+        const bool remove = ImGui::Button("x");
+        ImGui::SameLine();
+        const SavedView& v = session.views[i];
+        text(v.path.empty() ? fmt::format("{}: {}", v.name, v.channel)
+                            : fmt::format("{}: {}, {} frames", v.name, v.channel, v.frames()));
+        ImGui::PopID();
+        if (remove) {
+            session.views.erase(session.views.begin() + static_cast<std::ptrdiff_t>(i));
+            break;
+        }
+    }
+}
+
+// ---- Settings
+
+/// A control for one field. Answers whether it changed.
+bool control(const Field& field) {
+    const char* id = "##value";
+    if (auto* const* flag = std::get_if<bool*>(&field.value)) return ImGui::Checkbox(id, *flag);
+    if (const auto* choice = std::get_if<Field::Choice>(&field.value)) {
+        bool changed = false;
+        const auto now = static_cast<std::size_t>(choice->get());
+        if (ImGui::BeginCombo(id, choice->names[now].c_str())) {
+            for (std::size_t i = 0; i < choice->names.size(); ++i) {
+                if (!ImGui::Selectable(choice->names[i].c_str(), i == now) || i == now) continue;
+                choice->set(static_cast<int>(i));
+                changed = true;
+            }
+            ImGui::EndCombo();
+        }
+        return changed;
+    }
+    if (auto* const* number = std::get_if<double*>(&field.value)) {
+        const double range = field.max - field.min;
+        // Wide ranges are passed by ratios, not by steps.
+        const auto flags =
+            ImGuiSliderFlags_AlwaysClamp | (range > 1000 ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None);
+        const auto speed = static_cast<float>(range > 1000 ? 0.01 : range / 400);
+        return ImGui::DragScalar(id, ImGuiDataType_Double, *number, speed, &field.min, &field.max, "%.4g", flags);
+    }
+    int* value = std::get<int*>(field.value);
+    if (!field.allowed.empty()) {
+        bool changed = false;
+        if (ImGui::BeginCombo(id, fmt::format("{}", *value).c_str())) {
+            for (const int allowed : field.allowed) {
+                if (!ImGui::Selectable(fmt::format("{}", allowed).c_str(), allowed == *value) || allowed == *value)
+                    continue;
+                *value = allowed;
+                changed = true;
+            }
+            ImGui::EndCombo();
+        }
+        return changed;
+    }
+    const int min = static_cast<int>(field.min), max = static_cast<int>(field.max);
+    const auto speed = static_cast<float>(std::clamp((field.max - field.min) / 400, 0.05, 4.0));
+    return ImGui::DragScalar(id, ImGuiDataType_S32, value, speed, &min, &max, "%d", ImGuiSliderFlags_AlwaysClamp);
+}
+
+std::string rangeText(const Field& field) {
+    if (std::holds_alternative<bool*>(field.value) || std::holds_alternative<Field::Choice>(field.value)) return "";
+    if (!field.allowed.empty()) return "";
+    return fmt::format("\n{} to {} {}", field.min, field.max, field.unit);
+}
+
+void drawSettingsPanel(Session& session) {
+    ImGui::BeginDisabled(!session.settings.canUndo());
+    if (ImGui::Button("undo")) session.undo();
+    ImGui::EndDisabled();
+    if (session.settings.canUndo()) tip(session.settings.undoName() + "  (Ctrl+Z)");
+    ImGui::SameLine();
+    ImGui::BeginDisabled(!session.settings.canRedo());
+    if (ImGui::Button("redo")) session.redo();
+    ImGui::EndDisabled();
+    if (session.settings.canRedo()) tip(session.settings.redoName() + "  (Ctrl+Y)");
+    ImGui::SameLine();
+    if (ImGui::Button("reset all")) session.settings.change(session.settings.base(), "reset all");
+    tip("all settings as the file was opened with");
+    std::string& name = session.presetName;
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::BeginCombo("##preset", "load preset")) {
+        for (const std::string& preset : presetNames())
+            if (ImGui::Selectable(preset.c_str())) session.applyPresetByName(preset);
+        ImGui::EndCombo();
+    }
+    ImGui::InputTextWithHint("##name", "name, or file.json", &name);
+    ImGui::SameLine();
+    if (ImGui::Button("save") && !name.empty()) session.savePreset(name);
+    ImGui::SameLine();
+    if (ImGui::Button("load") && !name.empty()) session.applyPresetByName(name);
+    drawSettings(session);
+}
+
+// ---- Figures
+
+void drawFiguresPanel(Session& session) {
+    if (!session.picture) return dim("no picture yet");
+    const Picture& p = *session.picture;
+    const Settings::Output& output = p.view.settings.output;
+    const int n = p.finished ? output.supersample * output.supersample : 1;
+    text(fmt::format("{} x {}{}", output.width, output.height,
+                     p.finished ? "" : fmt::format(", shown at 1/{}", p.divisor)));
+    dim(fmt::format("{} sample{} a pixel; {} cones diffuse", n, n == 1 ? "" : "s", p.view.settings.cone.diffuse));
+    dim(fmt::format("{:.1f} ms on the device (timer: {}), {:.1f} ms in all", p.stats.frameMilliseconds, p.stats.timer,
+                    p.milliseconds));
+    const float width = ImGui::GetContentRegionAvail().x;
+    const auto plot = [&](const char* id, const std::deque<float>& values, float height) {
+        const std::vector<float> flat(values.begin(), values.end());
+        ImGui::PlotLines(id, flat.data(), static_cast<int>(flat.size()), 0, nullptr, 0, FLT_MAX, ImVec2(-1, height));
+    };
+    plot("##frame", session.history.frame, 2.5f * ImGui::GetFontSize());
+    tip("milliseconds of the last frames");
+    if (ImGui::BeginTable("passes", 3, ImGuiTableFlags_SizingFixedFit)) {
+        ImGui::TableSetupColumn("pass", ImGuiTableColumnFlags_WidthFixed, 0.5f * width);
+        ImGui::TableSetupColumn("ms");
+        ImGui::TableSetupColumn("history", ImGuiTableColumnFlags_WidthStretch);
+        for (const auto& [name, values] : session.history.passes) {
+            ImGui::TableNextRow();
+            ImGui::TableNextColumn();
+            text(name);
+            ImGui::TableNextColumn();
+            text(fmt::format("{:7.1f}", values.empty() ? 0.0f : values.back()));
+            ImGui::TableNextColumn();
+            plot(("##" + name).c_str(), values, 0);
+        }
+        ImGui::EndTable();
+    }
+    if (ImGui::TreeNodeEx("memory", ImGuiTreeNodeFlags_DefaultOpen)) {
+        std::uint64_t sum = 0;
+        for (const FrameStats::Memory& item : p.stats.memory) {
+            text(fmt::format("{:>10}  {}", megabytes(item.bytes), item.name));
+            sum += item.bytes;
+        }
+        text(fmt::format("{:>10}  in all", megabytes(sum)));
+        ImGui::TreePop();
+    }
+    if (ImGui::TreeNodeEx("counts", ImGuiTreeNodeFlags_DefaultOpen)) {
+        for (const auto& [name, count] : p.stats.counts) text(fmt::format("{:>10}  {}", count, name));
+        ImGui::TreePop();
+    }
+    if (ImGui::TreeNodeEx("not modelled", ImGuiTreeNodeFlags_DefaultOpen)) {
+        for (const LeftOut& item : p.leftOut) dim(fmt::format("{}: {}", item.what, item.why));
+        for (const Renderer::Level& l : p.levels)
+            if (!l.leftOut.empty()) dim(fmt::format("level {}: {}", l.level, l.leftOut));
+        if (p.leftOut.empty()) dim("nothing is left out");
+        ImGui::TreePop();
+    }
+    if (ImGui::TreeNode("scene and device")) {
+        dim(session.facts->description);
+        ImGui::TreePop();
+    }
+}
+
+// ---- Clipmap
+
+void drawClipmapPanel(Session& session) {
+    bool frozen = session.frozen();
+    if (ImGui::Checkbox("frozen", &frozen)) session.freeze(frozen);
+    tip("the clipmap stays where it is while the camera flies on (C)");
+    ImGui::SameLine();
+    if (ImGui::Button("step")) session.stepClipmap();
+    tip("moves the frozen clipmap by one snap towards the camera (N)");
+    ImGui::Checkbox("boxes of levels", &session.showLevels);
+    ImGui::SameLine();
+    ImGui::Checkbox("snap grid", &session.showSnapGrid);
+    ImGui::Checkbox("flash what is voxelized", &session.showUpdates);
+    const bool overlay = session.channel == "cascade";
+    if (ImGui::Button(overlay ? "back to beauty" : "levels and blend weights"))
+        session.channel = overlay ? "beauty" : "cascade";
+    ImGui::SameLine();
+    const bool seam = session.channel == "seam";
+    if (ImGui::Button(seam ? "back to beauty##seam" : "seams")) session.channel = seam ? "beauty" : "seam";
+    tip("the step in diffuse light where levels blend");
+    if (!session.picture || session.picture->clipmap.layout.levels == 0) return dim("no voxels");
+    const Picture& p = *session.picture;
+    const ClipmapLayout& layout = p.clipmap.layout;
+    for (const Renderer::Level& l : p.levels) {
+        if (!l.leftOut.empty()) continue;
+        const auto i = static_cast<std::size_t>(l.level);
+        ImGui::PushID(l.level);
+        ImGui::PushStyleColor(ImGuiCol_Text, levelColor(l.mip ? 7 : l.level));
+        const std::string label = fmt::format("{} {}: {}^3 of {:.4g} m, {:.4g} m wide{}", l.mip ? "mip" : "level",
+                                              l.level, l.resolution, l.voxelSize, l.size,
+                                              l.mip     ? ""
+                                              : l.moves ? ", moves"
+                                                        : ", stays");
+        if (!l.mip && i < session.levelShown.size()) {
+            bool shown = session.levelShown[i] != 0;
+            if (ImGui::Checkbox(label.c_str(), &shown)) session.levelShown[i] = shown ? 1 : 0;
+        } else {
+            text(label);
+        }
+        ImGui::PopStyleColor();
+        const std::string count =
+            l.mip ? fmt::format("mip_{}_voxels", l.level - layout.levels + 1) : fmt::format("level_{}_voxels", l.level);
+        const auto records = p.stats.counts.find(count);
+        const VoxelBox& window = p.clipmap.update.windows[i];
+        dim(fmt::format("  {} surface voxels of {} ({:.2f} %), {}, from ({}, {}, {})",
+                        records == p.stats.counts.end() ? 0 : records->second, window.volume(),
+                        100.0 * static_cast<double>(records == p.stats.counts.end() ? 0 : records->second) /
+                            static_cast<double>(std::max(1LL, window.volume())),
+                        megabytes(l.volumeBytes), window.low.x, window.low.y, window.low.z));
+        if (!l.mip && i < session.history.voxels.size()) {
+            const auto& values = session.history.voxels[i];
+            const std::vector<float> flat(values.begin(), values.end());
+            ImGui::PlotHistogram("##updates", flat.data(), static_cast<int>(flat.size()), 0, nullptr, 0, FLT_MAX,
+                                 ImVec2(-1, 1.6f * ImGui::GetFontSize()));
+            tip("voxels of this level that each of the last frames voxelized");
+        }
+        ImGui::PopID();
+    }
+    const auto cost = [&](const char* name) {
+        const auto found = session.history.passes.find(name);
+        return found == session.history.passes.end() || found->second.empty() ? 0.0f : found->second.back();
+    };
+    dim(
+        fmt::format("last update: {} triangles drawn, {} records made, {} levels wait; mark {:.1f}, allocate {:.1f}, "
+                    "accumulate {:.1f}, mips {:.1f} ms",
+                    p.stats.counts.at("voxel_triangles_drawn"), p.stats.counts.at("voxel_records_made"),
+                    p.stats.counts.at("levels_waiting"), cost("voxelize: mark"), cost("voxelize: allocate"),
+                    cost("voxelize: accumulate"), cost("voxelize: mips")));
+}
+
+// ---- Voxels
+
+void drawVoxelPanel(Session& session) {
+    constexpr std::array kViews = {"voxel_albedo", "voxel_normal", "voxel_radiance", "voxel_opacity"};
+    for (const char* name : kViews) {
+        if (ImGui::RadioButton(name + 6, session.channel == name)) session.channel = name;
+        ImGui::SameLine();
+    }
+    if (ImGui::RadioButton("off", !session.channel.starts_with("voxel_"))) session.channel = "beauty";
+    const int count = session.picture ? std::max(session.picture->clipmap.layout.count(), 1) : 1;
+    ImGui::SliderInt("level", &session.level, -1, count - 1,
+                     session.level < 0                                                            ? "as cones read"
+                     : session.picture && session.level >= session.picture->clipmap.layout.levels ? "%d (mip)"
+                                                                                                  : "%d");
+    session.level = std::min(session.level, count - 1);
+}
+
+// ---- Recording
+
+void drawRecordPanel(Session& session) {
+    if (ImGui::Button("save view")) session.saveView();
+    tip("Ctrl+1");
+    ImGui::SameLine();
+    if (session.recording ? ImGui::Button("stop") : ImGui::Button("record path")) {
+        if (session.recording) {
+            session.stopRecording();
+        } else {
+            session.startRecording();
+        }
+    }
+    tip("the camera's way from now on (R)");
+    ImGui::SameLine();
+    if (ImGui::Button("write script")) session.writeScript();
+    tip("all saved views and paths as a capture script; without any, the present view (Ctrl+S)");
+    if (ImGui::Button("screenshot")) session.screenshot();
+    tip("the finished picture as PNG and EXR (P)");
+    dim(fmt::format("{} saved; files go to {}", session.views.size(), session.folders.output.string()));
+}
+
+// ---- Messages
+
+void drawMessagePanel(Session& session) {
+    for (auto m = session.messages.rbegin(); m != session.messages.rend(); ++m) {
+        ImGui::PushTextWrapPos(0);
+        if (m->error) ImGui::PushStyleColor(ImGuiCol_Text, kError);
+        text(m->text);
+        if (m->error) ImGui::PopStyleColor();
+        ImGui::PopTextWrapPos();
+    }
+}
+
+}  // namespace
+
+std::uint32_t levelColor(int level, float alpha) {
+    // shaders/frame/cascade_view.comp, lightened so that lines are seen on dark ground.
+    constexpr std::array<std::array<float, 3>, 8> kColors = {{{0.95f, 0.25f, 0.25f},
+                                                              {0.95f, 0.6f, 0.15f},
+                                                              {0.3f, 0.8f, 0.3f},
+                                                              {0.2f, 0.8f, 0.8f},
+                                                              {0.35f, 0.45f, 1.0f},
+                                                              {0.65f, 0.35f, 0.95f},
+                                                              {0.95f, 0.3f, 0.8f},
+                                                              {0.9f, 0.9f, 0.9f}}};
+    const auto& c = kColors[static_cast<std::size_t>(std::clamp(level, 0, 7))];
+    return ImGui::ColorConvertFloat4ToU32(ImVec4(c[0], c[1], c[2], alpha));
+}
+
+std::set<std::string> drawSettings(Session& session) {
+    std::set<std::string> drawn;
+    Settings edited = session.settings.now();
+    const std::vector<Field> all = fields(edited);
+    std::string group;
+    bool open = false;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const Field& field = all[i];
+        const std::string head = field.key.substr(0, field.key.find('.'));
+        if (head != group) {
+            if (open) ImGui::TreePop();
+            group = head;
+            open = ImGui::TreeNodeEx(group.c_str());
+        }
+        if (!open) continue;
+        drawn.insert(field.key);
+        const bool changed = fieldDiffers(session.settings.now(), session.settings.base(), i);
+        ImGui::PushID(field.key.c_str());
+        if (changed) ImGui::PushStyleColor(ImGuiCol_Text, kChanged);
+        text((changed ? "* " : "  ") + field.key.substr(group.size() + 1));
+        if (changed) ImGui::PopStyleColor();
+        tip(field.meaning + rangeText(field));
+        ImGui::SameLine(12 * ImGui::GetFontSize());
+        ImGui::SetNextItemWidth(-3 * ImGui::GetFontSize());
+        const bool given = control(field);
+        tip(field.meaning + rangeText(field));
+        const bool held = ImGui::IsItemActive();
+        if (given) session.settings.change(edited, field.key, held);
+        if (ImGui::IsItemDeactivated()) session.settings.release();
+        ImGui::SameLine();
+        ImGui::BeginDisabled(!changed);
+        if (ImGui::SmallButton("reset")) {
+            Settings back = session.settings.now();
+            copyField(session.settings.base(), back, i);
+            session.settings.change(back, "reset " + field.key);
+        }
+        ImGui::EndDisabled();
+        ImGui::PopID();
+    }
+    if (open) ImGui::TreePop();
+    return drawn;
+}
+
+std::vector<Panel> makePanels() {
+    return {{"Scene", GLFW_KEY_F2, drawScenePanel, true}, {"View", GLFW_KEY_F3, drawViewPanel, true},
+            {"Settings", GLFW_KEY_F4, drawSettingsPanel}, {"Figures", GLFW_KEY_F6, drawFiguresPanel},
+            {"Clipmap", GLFW_KEY_F7, drawClipmapPanel},   {"Voxels", GLFW_KEY_F8, drawVoxelPanel},
+            {"Recording", GLFW_KEY_F9, drawRecordPanel},  {"Messages", GLFW_KEY_F12, drawMessagePanel}};
+}
+
+void drawHelp(bool& open) {
+    constexpr std::array<std::array<const char*, 2>, 28> kKeys = {{
+        {"left drag", "turn around the target"},
+        {"right drag", "look about"},
+        {"middle drag, Shift + left drag", "move sidewise"},
+        {"wheel", "towards the target and away; while flying: speed"},
+        {"W A S D, Q E", "fly; with Shift faster, with Ctrl slower"},
+        {"double click, F", "look at the surface under the cursor"},
+        {"Home", "all of the scene"},
+        {"1 to 9", "saved view"},
+        {"Ctrl + 1 to 9", "save the view"},
+        {"Space", "play and pause"},
+        {"B", "back to beauty"},
+        {"[ and ]", "channel before and after"},
+        {"C", "freeze the clipmap"},
+        {"N", "step the frozen clipmap by one snap"},
+        {"L", "boxes of levels"},
+        {"P", "screenshot"},
+        {"R", "record the camera's path"},
+        {"Ctrl + S", "write a capture script"},
+        {"Ctrl + O", "open by name"},
+        {"Ctrl + Z, Ctrl + Y", "undo and redo a setting"},
+        {"V", "vertical synchronisation"},
+        {"M", "picture follows the window"},
+        {"F5", "compile all shaders anew"},
+        {"F2 F3 F4 F6 F7 F8 F9 F12", "panels"},
+        {"Tab", "side bar"},
+        {"F1", "this help"},
+        {"drop a file", "glTF, capture script, panorama"},
+        {"Ctrl + Q", "end"},
+    }};
+    ImGui::SetNextWindowPos(ImVec2(0.5f * ImGui::GetIO().DisplaySize.x, 0.5f * ImGui::GetIO().DisplaySize.y),
+                            ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
+    if (ImGui::Begin("Keys and mouse", &open, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings)) {
+        if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg)) {
+            for (const auto& row : kKeys) {
+                ImGui::TableNextRow();
+                ImGui::TableNextColumn();
+                ImGui::TextUnformatted(row[0]);
+                ImGui::TableNextColumn();
+                ImGui::TextUnformatted(row[1]);
+            }
+            ImGui::EndTable();
+        }
+    }
+    ImGui::End();
+}
+
+}  // namespace voxcone

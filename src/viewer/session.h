@@ -1,0 +1,146 @@
+// What is being looked at and how: the state behind the panels, and all that they and the keys can do to it.
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "viewer/camera_control.h"
+#include "viewer/overlay.h"
+#include "viewer/render_thread.h"
+#include "viewer/script_writer.h"
+#include "viewer/settings_history.h"
+
+namespace voxcone {
+
+/// Where the viewer writes.
+struct ViewerFolders {
+    std::filesystem::path output = ".";  ///< screenshots, scripts, presets
+    std::filesystem::path config;        ///< recent files and the layout; empty: none are kept
+};
+
+/// What the last frames cost.
+struct CostHistory {
+    static constexpr std::size_t kFrames = 120;
+    std::map<std::string, std::deque<float>> passes;  ///< milliseconds by pass, latest last
+    std::deque<float> frame;                          ///< milliseconds of the device
+    /// By level: voxels that were voxelized anew in each of the frames.
+    std::vector<std::deque<float>> voxels;
+    void add(const Picture& picture);
+};
+
+/// A region that was just voxelized, for as long as it flashes.
+struct Flash {
+    Bounds box;  ///< world space
+    int level = 0;
+    std::chrono::steady_clock::time_point start;
+};
+
+struct Session {
+    using Clock = std::chrono::steady_clock;
+
+    Session(RenderThread& renderThread, ViewerFolders where);
+
+    // ---- What is shown
+    RenderThread& thread;
+    ViewerFolders folders;
+    std::shared_ptr<const SceneFacts> facts;
+    std::uint64_t sceneSerial = 0;
+    std::shared_ptr<const Picture> picture;  ///< the latest
+    SettingsHistory settings;
+    std::string presetName;  ///< as typed in the panel
+    CameraControl camera;
+    std::string channel = "beauty";
+    int level = -1;  ///< of voxel views; −1: the one that cones read
+    std::vector<Light> lights;
+    bool followWindow = false;  ///< the picture has the size of the place it is shown in
+
+    // ---- Time
+    double time = 0;
+    bool playing = false;
+    int shot = 0;             ///< of the script, whose camera was taken last
+    bool followShot = false;  ///< the camera is that of the shot's path
+
+    // ---- Clipmap
+    std::optional<glm::dvec3> frozenEye;
+    bool showLevels = false, showSnapGrid = false, showUpdates = true;
+    std::vector<char> levelShown;  ///< by level; wire box
+    std::deque<Flash> flashes;
+
+    // ---- Views and recording
+    std::vector<SavedView> views;
+    bool recording = false;
+    std::filesystem::path environmentFile;  ///< replaced the scene's environment
+
+    // ---- Figures and messages
+    CostHistory history;
+    std::deque<Message> messages;  ///< latest last
+    Clock::time_point messageTime;
+    std::vector<std::filesystem::path> recent;
+
+    // ---- Actions
+    /// Opens whatever the file is: scene, capture script, or panorama.
+    void open(const std::filesystem::path& file, std::function<void(Settings&)> prepare = {});
+    void takeShot(int index);
+    void takeCamera(const Camera& worldCamera);
+    /// Any change by hand ends the following of a path.
+    void moved() { followShot = false; }
+    /// Frame all of the scene.
+    void frameScene();
+    /// Makes the surface under a place of the picture (0 to 1, from the upper left) the camera's target.
+    bool focus(const glm::dvec2& place);
+    /// World position seen there, as far as it is known.
+    std::optional<glm::dvec3> surfaceAt(const glm::dvec2& place) const;
+
+    void freeze(bool on);
+    bool frozen() const { return frozenEye.has_value(); }
+    /// Moves a frozen clipmap by at most one snap of the finest level along each axis, towards the camera.
+    void stepClipmap();
+
+    void saveView();
+    void recallView(const SavedView& view);
+    void startRecording();
+    void stopRecording();
+    void screenshot();
+    void writeScript();
+    /// Settings as a preset file in the output folder.
+    void savePreset(const std::string& name);
+    void applyPresetByName(const std::string& nameOrFile);
+    void undo();
+    void redo();
+    void say(const std::string& text, bool error = false);
+
+    /// The channel's name as a script has it, with its level.
+    std::string shownChannel() const;
+    /// What is to be seen now.
+    View view() const;
+
+    /// One turn: takes what the thread has, moves time on by `seconds`, and shows the view if it has changed. `place`:
+    /// pixels that the picture may take. True when something on the screen has changed.
+    bool update(double seconds, const glm::ivec2& place);
+    /// The finished picture of the present view is there, and nothing is left to be done.
+    bool settled() const;
+    /// Something moves by itself, so that the window must be drawn again.
+    bool animated() const { return playing || recording || !flashes.empty(); }
+
+  private:
+    void takeScene();
+    void takePicture(const std::shared_ptr<const Picture>& next);
+    void remember(const std::filesystem::path& file);
+    std::filesystem::path freshFile(const std::string& stem, const std::vector<std::string>& extensions) const;
+    SavedView viewNow(const std::string& name) const;
+
+    std::optional<View> shown_;
+    std::uint64_t shownSerial_ = 0;
+    Clock::time_point placeChanged_;
+    glm::ivec2 place_{0}, lastPlace_{0};
+    double recordClock_ = 0;  ///< seconds since the recording began
+    SavedView recorded_;
+};
+
+}  // namespace voxcone

@@ -262,6 +262,8 @@ void drawSettingsPanel(Session& session) {
     if (ImGui::Button("save") && !name.empty()) session.savePreset(name);
     ImGui::SameLine();
     if (ImGui::Button("load") && !name.empty()) session.applyPresetByName(name);
+    ImGui::SetNextItemWidth(-1);
+    ImGui::InputTextWithHint("##filter", "show those with ...", &session.settingsFilter);
     drawSettings(session);
 }
 
@@ -466,6 +468,7 @@ std::set<std::string> drawSettings(Session& session) {
     std::set<std::string> drawn;
     Settings edited = session.settings.now();
     const std::vector<Field> all = fields(edited);
+    const std::string& filter = session.settingsFilter;
     std::string group;
     bool open = false;
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -474,9 +477,15 @@ std::set<std::string> drawSettings(Session& session) {
         if (head != group) {
             if (open) ImGui::TreePop();
             group = head;
+            const auto matches = [&](const Field& f) {
+                return f.key.starts_with(head + ".") && f.key.find(filter) != std::string::npos;
+            };
+            open = false;
+            if (!filter.empty() && std::none_of(all.begin(), all.end(), matches)) continue;
+            if (!filter.empty()) ImGui::SetNextItemOpen(true);
             open = ImGui::TreeNodeEx(group.c_str());
         }
-        if (!open) continue;
+        if (!open || field.key.find(filter) == std::string::npos) continue;
         drawn.insert(field.key);
         const bool changed = fieldDiffers(session.settings.now(), session.settings.base(), i);
         ImGui::PushID(field.key.c_str());

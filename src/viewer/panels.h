@@ -18,7 +18,8 @@ struct Panel {
 /// All of them, in the order of the side bar.
 std::vector<Panel> makePanels();
 
-/// Draws a control for every field of the tree; answers the keys that have one.
+/// Draws a control for every field of the tree, in groups, or those that Session::settingsFilter is part of; answers
+/// the keys of those that are not in a closed group.
 std::set<std::string> drawSettings(Session& session);
 
 /// Colour of a clipmap level, as the channel `cascade` has it: 0xAABBGGRR.

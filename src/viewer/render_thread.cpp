@@ -377,7 +377,7 @@ void RenderThread::publishFacts(gl::Context& context, bool opened) {
     wake_();
 }
 
-bool RenderThread::prepareRenderer(gl::Context& context, const View& view) {
+void RenderThread::prepareRenderer(gl::Context& context, const View& view) {
     if (!sameExtraction(built_.light, view.settings.light)) {
         renderer_.reset();
         loaded_->extract(view.settings.light);
@@ -385,15 +385,19 @@ bool RenderThread::prepareRenderer(gl::Context& context, const View& view) {
         built_.light.extractEmitters = view.settings.light.extractEmitters;
         publishFacts(context, false);
     }
+    const Settings::Output& output = view.settings.output;
+    const int largest = std::max(output.width, output.height) * output.supersample;
+    if (largest > context.info().max2DTextureSize)
+        throw DeviceError(fmt::format("a picture with {} samples on a side; the device allows GL_MAX_TEXTURE_SIZE = {}",
+                                      largest, context.info().max2DTextureSize));
     std::vector<Light>& lights = loaded_->script.scene.lights;
     if (view.lights.size() == lights.size()) lights = view.lights;
-    if (renderer_ && sameRenderer(built_, view.settings)) return true;
+    if (renderer_ && sameRenderer(built_, view.settings)) return;
     setActivity("compiling and uploading");
     renderer_.reset();
     built_ = view.settings;
     pixelCost_ = 0;
     renderer_ = std::make_unique<Renderer>(context, loaded_->script.scene, view.settings, view.time, shaders_);
-    return true;
 }
 
 int RenderThread::firstDivisor(const Settings::Output& output, const gl::Context& context) const {

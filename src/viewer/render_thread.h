@@ -127,7 +127,7 @@ class RenderThread {
     void order(std::function<void(gl::Context&)> order);
     void load(gl::Context& context, const std::filesystem::path& file, const std::function<void(Settings&)>& prepare);
     void loadEnvironmentImage(const std::filesystem::path& file);
-    bool prepareRenderer(gl::Context& context, const View& view);
+    void prepareRenderer(gl::Context& context, const View& view);
     void stage(gl::Context& context, const View& view, std::uint64_t serial);
     void publish(const View& view, std::uint64_t serial, bool finished, Clock::time_point start);
     void publishFacts(gl::Context& context, bool opened);

@@ -72,7 +72,8 @@ void CostHistory::add(const Picture& picture) {
     }
 }
 
-Session::Session(RenderThread& renderThread, ViewerFolders where) : thread(renderThread), folders(std::move(where)) {
+Session::Session(RenderThread& renderThread, ViewerFolders where, std::function<void(Settings&)> change)
+    : thread(renderThread), folders(std::move(where)), prepare_(std::move(change)) {
     if (folders.config.empty()) return;
     const json list = [&] {
         std::error_code none;
@@ -93,13 +94,13 @@ void Session::say(const std::string& text, bool error) {
 
 // ---- Files
 
-void Session::open(const fs::path& file, std::function<void(Settings&)> prepare) {
+void Session::open(const fs::path& file) {
     if (isPanorama(file)) {
         if (!facts) return say("open a scene before an environment", true);
         environmentFile = fs::absolute(file);
         thread.environment(environmentFile);
     } else {
-        thread.open(fs::absolute(file), std::move(prepare));
+        thread.open(fs::absolute(file), prepare_);
     }
 }
 

@@ -44,7 +44,8 @@ struct Flash {
 struct Session {
     using Clock = std::chrono::steady_clock;
 
-    Session(RenderThread& renderThread, ViewerFolders where);
+    /// `change`: changes the settings of whatever is opened (--set), if not empty.
+    Session(RenderThread& renderThread, ViewerFolders where, std::function<void(Settings&)> change);
 
     // ---- What is shown
     RenderThread& thread;
@@ -53,7 +54,7 @@ struct Session {
     std::uint64_t sceneSerial = 0;
     std::shared_ptr<const Picture> picture;  ///< the latest
     SettingsHistory settings;
-    std::string presetName;  ///< as typed in the panel
+    std::string presetName, settingsFilter;  ///< as typed in the panel
     CameraControl camera;
     std::string channel = "beauty";
     int level = -1;  ///< of voxel views; −1: the one that cones read
@@ -85,7 +86,7 @@ struct Session {
 
     // ---- Actions
     /// Opens whatever the file is: scene, capture script, or panorama.
-    void open(const std::filesystem::path& file, std::function<void(Settings&)> prepare = {});
+    void open(const std::filesystem::path& file);
     void takeShot(int index);
     void takeCamera(const Camera& worldCamera);
     /// Any change by hand ends the following of a path.
@@ -135,6 +136,7 @@ struct Session {
     std::filesystem::path freshFile(const std::string& stem, const std::vector<std::string>& extensions) const;
     SavedView viewNow(const std::string& name) const;
 
+    std::function<void(Settings&)> prepare_;
     std::optional<View> shown_;
     std::uint64_t shownSerial_ = 0;
     Clock::time_point placeChanged_;

@@ -74,7 +74,7 @@ Viewer::Viewer(const ViewerOptions& options)
                   Window::wake();
               },
               options.shaders),
-      session_(thread_, options.folders),
+      session_(thread_, options.folders, options.prepare),
       panels_(makePanels()),
       lastTurn_(Clock::now()) {
     IMGUI_CHECKVERSION();
@@ -100,7 +100,7 @@ Viewer::Viewer(const ViewerOptions& options)
     io.Fonts->AddFontDefault(&font);
     ImGui_ImplOpenGL3_Init("#version 430 core");
     if (!options.shaders.empty()) shaderTime_ = newestBelow(options.shaders);
-    if (!options.file.empty()) session_.open(options.file, options.prepare);
+    if (!options.file.empty()) session_.open(options.file);
     layOut();
 }
 
@@ -154,6 +154,7 @@ bool Viewer::turn(double seconds) {
     if (redraw_ > 0 && !window_.minimized()) {
         --redraw_;
         draw();
+        window_.swap();
     }
     window_.context().checkErrors();
     return !window_.closeRequested();
@@ -384,8 +385,8 @@ void Viewer::layOut() {
     const glm::dvec2 size(output.width, output.height);
     const double perPixel = window.x / std::max(1, window_.framebufferSize().x);
     double scale = std::min(area_.size.x / size.x, area_.size.y / size.y);
-    // One pixel of the picture to one of the window, where it fits.
-    if (scale >= perPixel && scale < 2 * perPixel) scale = perPixel;
+    // Small pictures are shown in whole pixels.
+    if (scale >= perPixel) scale = perPixel * std::floor(scale / perPixel);
     rect_.size = glm::min(glm::round(scale * size), area_.size);
     rect_.low = area_.low + glm::floor(0.5 * (area_.size - rect_.size));
 }
@@ -413,17 +414,16 @@ void Viewer::draw() {
     glClearColor(0.1f, 0.1f, 0.1f, 1);
     glClear(GL_COLOR_BUFFER_BIT);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-    window_.swap();
 }
 
 Image Viewer::readWindow() {
     const glm::ivec2 size = window_.framebufferSize();
-    redraw_ = 0;
     draw();
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(3 * size.x * size.y));
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glReadBuffer(GL_FRONT);
+    glReadBuffer(GL_BACK);
     glReadPixels(0, 0, size.x, size.y, GL_RGB, GL_UNSIGNED_BYTE, bytes.data());
+    window_.swap();
     Image image(size.x, size.y, 3);
     for (int y = 0; y < size.y; ++y)
         for (int i = 0; i < 3 * size.x; ++i)

@@ -22,7 +22,7 @@ namespace voxcone {
 
 struct ViewerOptions {
     std::filesystem::path file;              ///< scene, script, or empty
-    std::function<void(Settings&)> prepare;  ///< changes the file's settings (--set)
+    std::function<void(Settings&)> prepare;  ///< changes the settings of whatever is opened (--set)
     ViewerFolders folders;
     std::filesystem::path shaders;  ///< goes before the embedded shaders and is watched for changes; or empty
     int width = 1280, height = 720;
@@ -54,8 +54,7 @@ class Viewer {
     bool helpOpen() const { return help_; }
     /// Place of the picture in screen coordinates.
     const PictureRect& pictureRect() const { return rect_; }
-    /// What the window shows: pixels of its framebuffer as of the last turn that drew, row 0 on top, encoded values in
-    /// [0,1].
+    /// Draws, and gives the pixels of the window, row 0 on top, encoded values in [0,1].
     Image readWindow();
     /// Turns so far, and those that drew.
     std::uint64_t turns() const { return turns_; }

@@ -7,11 +7,13 @@
 
 #include "cascade/voxels.h"
 #include "cone/gather.h"
+#include "cone/inspect.h"
 #include "cone/refraction.h"
 #include "core/check.h"
 #include "frame/cascade_view.h"
 #include "frame/gbuffer.h"
 #include "frame/tonemap.h"
+#include "frame/voxel_slice.h"
 #include "frame/voxel_view.h"
 #include "gl/bindings.h"
 #include "gl/context.h"
@@ -169,10 +171,11 @@ struct Renderer::Impl {
         const auto abandoned = [&] {
             if (!stop || !stop()) return false;
             timers.endFrame();
+            collectStats();
             return true;
         };
-        if (abandoned()) return false;
         gbuffer.draw(gpuScene, cameraView(worldCamera, gpuScene.origin(), gpuScene.bounds(), width, height), timers);
+        if (abandoned()) return false;
         const auto bindGBuffer = [this](gl::Program& program, int unit) { gbuffer.bind(program, unit); };
         std::vector<const gl::Texture*> layers;
         if (direct && shadowMaps.lightCount() > 0) {
@@ -319,7 +322,8 @@ struct Renderer::Impl {
             const int level = colon == std::string::npos ? -1 : std::stoi(name.substr(colon + 1));
             if (level >= layout.count()) return empty;
             if (!voxelView) voxelView = std::make_unique<VoxelView>(shaders, voxels, width, height);
-            voxelView->draw(name.substr(0, colon), level, gbuffer.view(), field->volume(voxels), field->faces());
+            voxelView->draw(name.substr(0, colon), level, gbuffer.view(), field->volume(voxels), field->faces(),
+                            voxelOptions);
             return readout.read(voxelView->texture(), 3, n);
         }
         return gbuffer.channel(name, n);
@@ -355,6 +359,9 @@ struct Renderer::Impl {
     Composite composite;
     Readout readout;
     std::unique_ptr<VoxelView> voxelView;
+    VoxelViewOptions voxelOptions;
+    std::unique_ptr<VoxelSlicer> slicer;
+    std::unique_ptr<ConeInspector> inspector;
     std::unique_ptr<CascadeView> cascadeView;
     bool forgotten = true;  ///< nothing that was voxelized and lit before is of use
     FrameStats stats;
@@ -376,6 +383,28 @@ void Renderer::setOutput(const Settings::Output& output) {
 
 void Renderer::setClipmapEye(const std::optional<glm::dvec3>& eye) {
     impl_->clipmapEye = eye;
+}
+
+void Renderer::setVoxelView(const VoxelViewOptions& options) {
+    impl_->voxelOptions = options;
+}
+
+PixelCones Renderer::inspect(int x, int y) {
+    Impl& r = *impl_;
+    VOXCONE_CHECK(x >= 0 && y >= 0 && x < r.width && y < r.height, "pixel {}, {} of {}×{}", x, y, r.width, r.height);
+    if (!r.voxelizer) return {};
+    if (!r.inspector)
+        r.inspector = std::make_unique<ConeInspector>(r.shaders, r.settings, r.voxels, r.sky, r.gbuffer.defines());
+    return r.inspector->inspect({x, r.height - 1 - y}, r.field->volume(r.voxels), r.sky,
+                                [&r](gl::Program& program, int unit) { r.gbuffer.bind(program, unit); });
+}
+
+VoxelSlice Renderer::voxelSlice(int level, int axis, int depth) {
+    Impl& r = *impl_;
+    if (!r.voxelizer || r.voxels.windows.empty()) return {};
+    if (!r.slicer) r.slicer = std::make_unique<VoxelSlicer>(r.shaders, r.voxels);
+    return r.slicer->read(std::clamp(level, 0, r.layout.count() - 1), axis, depth, r.field->volume(r.voxels),
+                          r.field->faces());
 }
 
 bool Renderer::render(const Camera& worldCamera, const std::function<bool()>& stop) {

@@ -22,6 +22,9 @@ namespace gl {
 class Context;
 class Texture;
 }  // namespace gl
+struct PixelCones;        // cone/inspect.h
+struct VoxelSlice;        // frame/voxel_slice.h
+struct VoxelViewOptions;  // frame/voxel_view.h
 
 /// What one frame cost. Times are of the device (`timer` says how they were taken).
 struct FrameStats {
@@ -86,9 +89,13 @@ class Renderer {
     /// Centres the clipmap at `eye` (world space) instead of at the camera, or at the camera again.
     void setClipmapEye(const std::optional<glm::dvec3>& eye);
 
+    /// How voxel views are drawn from now on.
+    void setVoxelView(const VoxelViewOptions& options);
+
     /// Draws one frame into the device's channels. Voxels, shadow maps and bounces are renewed where the camera's or
-    /// the scene's motion asks for it. `stop` is asked between passes of the picture and within its long ones: true
-    /// abandons the frame, after which voxels are whole but no channel is. False when that happened.
+    /// the scene's motion asks for it. `stop` is asked once voxels and G-buffer are whole, then between passes and
+    /// within long ones: true abandons the frame. False when that happened; albedo, normal, depth, position, emission,
+    /// cascade and the voxel views are channels of it all the same.
     bool render(const Camera& worldCamera, const std::function<bool()>& stop = {});
 
     /// The same, and how the indirect diffuse light of what this frame shows has changed since the last frame: the same
@@ -104,6 +111,14 @@ class Renderer {
     Image display();
     /// The same on the device: RGBA32F, row 0 at the bottom, ready to be fetched.
     gl::Texture displayTexture();
+
+    /// The diffuse cones of a pixel of the last frame, at the G-buffer's resolution (output times supersample), from
+    /// the upper left. No surface, no cones.
+    PixelCones inspect(int x, int y);
+
+    /// A slice of the voxels of the last frame, also if it was abandoned (VoxelSlicer); empty for a scene without
+    /// triangles.
+    VoxelSlice voxelSlice(int level, int axis, int depth);
 
     /// The steps between levels in the last frame, which are gathered anew.
     std::vector<SeamStep> seam();

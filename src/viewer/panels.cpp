@@ -399,6 +399,92 @@ void drawClipmapPanel(Session& session) {
 
 // ---- Voxels
 
+std::string faceText(const VoxelFace& face) {
+    return fmt::format(
+        "albedo {:.2f} {:.2f} {:.2f}, normal {:.2f} {:.2f} {:.2f}, radiance {:.3g} {:.3g} {:.3g}, "
+        "coverage {:.2f}",
+        face.albedo.x, face.albedo.y, face.albedo.z, face.normal.x, face.normal.y, face.normal.z, face.radiance.x,
+        face.radiance.y, face.radiance.z, face.coverage);
+}
+
+/// What the slice shows of a voxel, in the channel that is looked at.
+ImVec4 sliceColor(const VoxelFacts& voxel, const std::string& channel, float exposure) {
+    glm::vec3 sum(0);
+    float weight = 0;
+    for (const VoxelFace& face : voxel.faces) {
+        const glm::vec3 value = channel == "voxel_albedo"     ? face.albedo
+                                : channel == "voxel_normal"   ? 0.5f * face.normal + 0.5f
+                                : channel == "voxel_radiance" ? exposure * face.radiance
+                                                              : glm::vec3(face.coverage);
+        sum += face.coverage * value;
+        weight += face.coverage;
+    }
+    const glm::vec3 mean = weight > 0 ? sum / weight : glm::vec3(0);
+    const bool encoded = channel == "voxel_normal" || channel == "voxel_opacity";
+    const auto shown = [&](float v) { return encoded ? v : srgbFromLinear(std::clamp(v, 0.0f, 1.0f)); };
+    return {shown(mean.x), shown(mean.y), shown(mean.z), 1};
+}
+
+void drawSlice(Session& session) {
+    const ClipmapState& clipmap = session.picture->clipmap;
+    const int level = std::clamp(session.level, 0, clipmap.layout.count() - 1);
+    const int last = clipmap.layout.resolutionOf(level) - 1;
+    bool ask = session.slice == nullptr || session.slice->level != level || session.sliceStale();
+    constexpr std::array kAxes = {"across x", "across y", "across z"};
+    for (int axis = 0; axis < 3; ++axis) {
+        if (axis > 0) ImGui::SameLine();
+        ask |= ImGui::RadioButton(kAxes[static_cast<std::size_t>(axis)], &session.sliceAxis, axis);
+    }
+    session.sliceDepth = std::clamp(session.sliceDepth, 0, last);
+    ask |= ImGui::SliderInt("depth", &session.sliceDepth, 0, last);
+    if (ask && !session.slicePending()) session.askSlice();
+    if (!session.slice || session.slice->width == 0) return;
+    const VoxelSlice& slice = *session.slice;
+    const float edge = std::max(1.0f, std::floor(ImGui::GetContentRegionAvail().x / static_cast<float>(slice.width)));
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const ImVec2 size(edge * static_cast<float>(slice.width), edge * static_cast<float>(slice.height));
+    ImGui::InvisibleButton("slice", size);
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    list.AddRectFilled(corner, ImVec2(corner.x + size.x, corner.y + size.y), 0xff181818);
+    const auto exposure = static_cast<float>(std::exp2(session.settings.now().output.exposure));
+    std::array<float, 20> histogram{};
+    int occupied = 0;
+    for (int v = 0; v < slice.height; ++v) {
+        for (int u = 0; u < slice.width; ++u) {
+            const VoxelFacts& voxel = slice.at(u, v);
+            if (!voxel.occupied) continue;
+            ++occupied;
+            const auto bin = static_cast<std::size_t>(std::clamp(20 * voxel.opacity(), 0.0f, 19.0f));
+            ++histogram[bin];
+            // v grows upwards.
+            const ImVec2 low(corner.x + edge * static_cast<float>(u),
+                             corner.y + edge * static_cast<float>(slice.height - 1 - v));
+            list.AddRectFilled(low, ImVec2(low.x + edge, low.y + edge),
+                               ImGui::ColorConvertFloat4ToU32(sliceColor(voxel, session.channel, exposure)));
+        }
+    }
+    if (ImGui::IsItemHovered()) {
+        const ImVec2 mouse = ImGui::GetIO().MousePos;
+        const int u = std::clamp(static_cast<int>((mouse.x - corner.x) / edge), 0, slice.width - 1);
+        const int v = std::clamp(slice.height - 1 - static_cast<int>((mouse.y - corner.y) / edge), 0, slice.height - 1);
+        const glm::ivec3 index = slice.index(u, v);
+        const glm::dvec3 centre = slice.origin + slice.voxelSize * (glm::dvec3(index) + 0.5);
+        ImGui::BeginTooltip();
+        text(fmt::format("voxel ({}, {}, {}) of level {} at {:.4g} {:.4g} {:.4g} m", index.x, index.y, index.z,
+                         slice.level, centre.x, centre.y, centre.z));
+        constexpr std::array kFaces = {"+x", "-x", "+y", "-y", "+z", "-z"};
+        const VoxelFacts& voxel = slice.at(u, v);
+        if (!voxel.occupied) text("empty");
+        for (std::size_t f = 0; f < 6; ++f)
+            if (voxel.faces[f].coverage > 0) text(fmt::format("{}: {}", kFaces[f], faceText(voxel.faces[f])));
+        ImGui::EndTooltip();
+    }
+    ImGui::PlotHistogram("##occupancy", histogram.data(), static_cast<int>(histogram.size()), 0, "opacity, 0 to 1", 0,
+                         FLT_MAX, ImVec2(-1, 3 * ImGui::GetFontSize()));
+    dim(fmt::format("{} of {} voxels of the slice are occupied; histogram of their fullest faces' coverage", occupied,
+                    slice.width * slice.height));
+}
+
 void drawVoxelPanel(Session& session) {
     constexpr std::array kViews = {"voxel_albedo", "voxel_normal", "voxel_radiance", "voxel_opacity"};
     for (const char* name : kViews) {
@@ -412,6 +498,147 @@ void drawVoxelPanel(Session& session) {
                      : session.picture && session.level >= session.picture->clipmap.layout.levels ? "%d (mip)"
                                                                                                   : "%d");
     session.level = std::min(session.level, count - 1);
+    ImGui::Checkbox("edges", &session.voxels.edges);
+    ImGui::SameLine();
+    auto share = static_cast<float>(session.triangles);
+    if (ImGui::SliderFloat("triangles", &share, 0, 1, "%.2f")) session.triangles = static_cast<double>(share);
+    tip("share of the picture of the triangles that is mixed in");
+    constexpr std::array kAxes = {"no cut", "cut x", "cut y", "cut z"};
+    for (int axis = -1; axis < 3; ++axis) {
+        if (axis >= 0) ImGui::SameLine();
+        ImGui::RadioButton(kAxes[static_cast<std::size_t>(axis + 1)], &session.cutAxis, axis);
+    }
+    if (session.cutAxis >= 0) {
+        const double zero = 0, one = 1;
+        ImGui::SliderScalar("place", ImGuiDataType_Double, &session.cutPlace, &zero, &one, "%.3f");
+        ImGui::SameLine();
+        ImGui::Checkbox("flip", &session.cutFlipped);
+    }
+    ImGui::Checkbox("slice", &session.sliceShown);
+    if (!session.sliceShown || !session.picture || session.picture->clipmap.layout.levels == 0) return;
+    drawSlice(session);
+}
+
+// ---- Inspector
+
+/// Transmittance, radiance and level along a cone.
+void plotCone(const InspectedCone& cone) {
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const ImVec2 size(ImGui::GetContentRegionAvail().x, 8 * ImGui::GetFontSize());
+    ImGui::InvisibleButton("plot", size);
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    list.AddRectFilled(corner, ImVec2(corner.x + size.x, corner.y + size.y), 0xff181818);
+    if (cone.samples.empty()) return;
+    const double longest = std::max(cone.samples.back().distance, 1e-9);
+    double brightest = 1e-12, coarsest = 1;
+    const auto mean = [](const glm::vec3& c) { return static_cast<double>(c.x + c.y + c.z) / 3; };
+    for (const ConeSample& s : cone.samples) {
+        brightest = std::max(brightest, mean(s.radiance));
+        coarsest = std::max(coarsest, s.level);
+    }
+    const auto at = [&](double distance, double height) {
+        return ImVec2(corner.x + static_cast<float>(distance / longest) * size.x,
+                      corner.y + static_cast<float>(1 - std::clamp(height, 0.0, 1.0)) * (size.y - 4) + 2);
+    };
+    ImVec2 clear = at(0, 1), bright = at(0, 0);
+    for (const ConeSample& s : cone.samples) {
+        const float x = at(s.distance, 0).x;
+        list.AddLine(ImVec2(x, corner.y + size.y), ImVec2(x, at(0, 0.9 * s.level / coarsest + 0.02).y),
+                     levelColor(static_cast<int>(std::lround(s.level)), 0.7f), s.length > 0 ? 2.0f : 1.0f);
+        const ImVec2 t = at(s.distance, s.transmittance), r = at(s.distance, mean(s.radiance) / brightest);
+        list.AddLine(clear, t, 0xffffffff, 1.5f);
+        list.AddLine(bright, r, 0xff40d0ff, 1.5f);
+        clear = t, bright = r;
+    }
+    if (ImGui::IsItemHovered()) {
+        const double distance = static_cast<double>((ImGui::GetIO().MousePos.x - corner.x) / size.x) * longest;
+        const auto nearest =
+            std::min_element(cone.samples.begin(), cone.samples.end(), [&](const ConeSample& a, const ConeSample& b) {
+                return std::abs(a.distance - distance) < std::abs(b.distance - distance);
+            });
+        tip(fmt::format("{:.4g} m: level {:.2f}, {}, transmittance {:.4f}, radiance so far {:.4g} {:.4g} {:.4g}",
+                        nearest->distance, nearest->level,
+                        nearest->length > 0 ? fmt::format("segment of {:.4g} m", nearest->length) : "a plane",
+                        nearest->transmittance, nearest->radiance.x, nearest->radiance.y, nearest->radiance.z));
+    }
+    dim(
+        fmt::format("{} samples over {:.4g} m; white: transmittance, yellow: radiance up to {:.3g}, bars: level up to "
+                    "{:.1f}",
+                    cone.samples.size(), longest, brightest, coarsest));
+}
+
+void drawInspectorPanel(Session& session) {
+    ImGui::Checkbox("a click asks about a pixel", &session.inspecting);
+    tip("or I with the cursor over the picture");
+    if (!session.inspection) return dim("no pixel was asked about");
+    Inspection& asked = *session.inspection;
+    text(fmt::format("pixel ({}, {})", asked.pixel.x, asked.pixel.y));
+    ImGui::SameLine();
+    if (ImGui::SmallButton("copy as JSON")) ImGui::SetClipboardText(asked.json().c_str());
+    ImGui::SameLine();
+    if (ImGui::SmallButton("forget")) {
+        session.forgetInspection();
+        return;
+    }
+    if (ImGui::BeginTable("terms", 3, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_RowBg)) {
+        ImGui::TableSetupColumn("W/(m2 sr)");
+        ImGui::TableSetupColumn("voxels");
+        ImGui::TableSetupColumn("path traced");
+        ImGui::TableHeadersRow();
+        for (const auto& [name, value] : asked.terms) {
+            ImGui::TableNextRow();
+            ImGui::TableNextColumn();
+            text(name);
+            ImGui::TableNextColumn();
+            text(fmt::format("{:.4f} {:.4f} {:.4f}", value.x, value.y, value.z));
+            ImGui::TableNextColumn();
+            const auto traced = asked.traced(name);
+            text(traced ? fmt::format("{:.4f} {:.4f} {:.4f}", traced->x, traced->y, traced->z) : "...");
+        }
+        ImGui::EndTable();
+    }
+    if (const auto traced = asked.tracer ? asked.tracer->picture() : nullptr)
+        dim(fmt::format("{} paths, error {:.2g} %{}", traced->samples, 100 * traced->error,
+                        asked.tracer->running() ? "" : ", done"));
+    if (!asked.cones.hit) return dim("the pixel shows no surface");
+    const glm::vec3 sum = asked.cones.radiance();
+    dim(fmt::format("its cones gather {:.4f} {:.4f} {:.4f} before neighbours are averaged and albedo is multiplied",
+                    sum.x, sum.y, sum.z));
+    const int last = static_cast<int>(asked.cones.cones.size()) - 1;
+    asked.selected = std::clamp(asked.selected, 0, last);
+    ImGui::SliderInt("cone", &asked.selected, 0, last);
+    ImGui::SameLine();
+    ImGui::Checkbox("alone", &asked.onlySelected);
+    const InspectedCone& cone = asked.cones.cones[static_cast<std::size_t>(asked.selected)];
+    const glm::vec3 total = cone.total();
+    dim(fmt::format(
+        "weight {:.4f}; voxels {:.4f} {:.4f} {:.4f} + {:.4f} x sky {:.4f} {:.4f} {:.4f} = {:.4f} {:.4f} {:.4f}",
+        cone.weight, cone.radiance.x, cone.radiance.y, cone.radiance.z, cone.transmittance, cone.sky.x, cone.sky.y,
+        cone.sky.z, total.x, total.y, total.z));
+    plotCone(cone);
+}
+
+// ---- Comparison
+
+void drawComparePanel(Session& session) {
+    if (ImGui::Button("hold this picture")) session.hold();
+    ImGui::SameLine();
+    if (ImGui::Button("path trace this view")) session.holdReference();
+    ImGui::InputTextWithHint("##file", "picture.exr", &session.heldName);
+    ImGui::SameLine();
+    if (ImGui::Button("hold file") && !session.heldName.empty()) session.holdFile(session.heldName);
+    if (!session.held) return dim(session.referenceTracer ? "tracing ..." : "nothing is held");
+    text("left: " + session.held->name);
+    ImGui::SameLine();
+    if (ImGui::SmallButton("release")) return session.releaseHeld();
+    auto split = static_cast<float>(session.split);
+    if (ImGui::SliderFloat("split", &split, 0, 1, "%.2f")) session.split = static_cast<double>(split);
+    if (!session.difference) return dim("figures come with a finished picture of the same size and channel");
+    const auto& [linear, display] = *session.difference;
+    text(fmt::format("relMSE {:.4g}, RMSE {:.4g}, bias {:+.2f} %", linear.relMse, linear.rmse,
+                     100 * linear.relativeBias));
+    text(fmt::format("FLIP {:.4f}, SSIM {:.4f}, PSNR {:.1f} dB", display.flip, display.ssim, display.psnr));
+    dim("of the right picture against the left one; FLIP, SSIM and PSNR of values clipped at 1");
 }
 
 // ---- Recording
@@ -515,14 +742,15 @@ std::set<std::string> drawSettings(Session& session) {
 }
 
 std::vector<Panel> makePanels() {
-    return {{"Scene", GLFW_KEY_F2, drawScenePanel, true}, {"View", GLFW_KEY_F3, drawViewPanel, true},
-            {"Settings", GLFW_KEY_F4, drawSettingsPanel}, {"Figures", GLFW_KEY_F6, drawFiguresPanel},
-            {"Clipmap", GLFW_KEY_F7, drawClipmapPanel},   {"Voxels", GLFW_KEY_F8, drawVoxelPanel},
-            {"Recording", GLFW_KEY_F9, drawRecordPanel},  {"Messages", GLFW_KEY_F12, drawMessagePanel}};
+    return {{"Scene", GLFW_KEY_F2, drawScenePanel, true},   {"View", GLFW_KEY_F3, drawViewPanel, true},
+            {"Settings", GLFW_KEY_F4, drawSettingsPanel},   {"Figures", GLFW_KEY_F6, drawFiguresPanel},
+            {"Clipmap", GLFW_KEY_F7, drawClipmapPanel},     {"Voxels", GLFW_KEY_F8, drawVoxelPanel},
+            {"Recording", GLFW_KEY_F9, drawRecordPanel},    {"Inspector", GLFW_KEY_F10, drawInspectorPanel},
+            {"Comparison", GLFW_KEY_F11, drawComparePanel}, {"Messages", GLFW_KEY_F12, drawMessagePanel}};
 }
 
 void drawHelp(bool& open) {
-    constexpr std::array<std::array<const char*, 2>, 28> kKeys = {{
+    constexpr std::array<std::array<const char*, 2>, 30> kKeys = {{
         {"left drag", "turn around the target"},
         {"right drag", "look about"},
         {"middle drag, Shift + left drag", "move sidewise"},
@@ -546,7 +774,9 @@ void drawHelp(bool& open) {
         {"V", "vertical synchronisation"},
         {"M", "picture follows the window"},
         {"F5", "compile all shaders anew"},
-        {"F2 F3 F4 F6 F7 F8 F9 F12", "panels"},
+        {"I", "ask about the pixel under the cursor"},
+        {"H", "hold the picture to compare"},
+        {"F2 to F12 but F5", "panels"},
         {"Tab", "side bar"},
         {"F1", "this help"},
         {"drop a file", "glTF, capture script, panorama"},

@@ -67,6 +67,12 @@ double lastKey(const CaptureScript& script) {
 
 }  // namespace
 
+bool withoutCones(const View& view) {
+    const std::string base = baseChannel(view.channel);
+    return base == "albedo" || base == "normal" || base == "depth" || base == "position" || base == "emission" ||
+           base == "cascade" || (base.starts_with("voxel_") && view.triangles <= 0);
+}
+
 RenderThread::RenderThread(std::function<std::unique_ptr<gl::Context>()> makeContext, std::function<void()> wake,
                            fs::path shaders)
     : wake_(std::move(wake)), shaders_(std::move(shaders)) {
@@ -77,7 +83,7 @@ RenderThread::~RenderThread() {
     {
         const std::scoped_lock lock(mutex_);
         quit_ = true;
-        ordered_ = true;
+        quitting_ = true;
     }
     changed_.notify_all();
     thread_.join();
@@ -145,9 +151,6 @@ void RenderThread::now(std::function<void(Desk&)> job) {
         }
         Desk desk{*renderer_, loaded_->script.scene, view, context};
         work(desk);
-        // What the job rendered is not what is being refined.
-        divisor_ = 0;
-        finished_ = false;
     });
 }
 
@@ -418,7 +421,8 @@ void RenderThread::stage(gl::Context& context, const View& view, std::uint64_t s
         finished_ = true;  // unless all goes well there is nothing more to be tried for this view
     }
     prepareRenderer(context, view);
-    const int divisor = first ? firstDivisor(view.settings.output, context) : std::max(1, divisor_ / 4);
+    const bool quick = withoutCones(view);
+    const int divisor = first ? (quick ? 1 : firstDivisor(view.settings.output, context)) : std::max(1, divisor_ / 4);
     finished_ = divisor == 1;
     Settings::Output output = view.settings.output;
     if (divisor > 1) {
@@ -428,15 +432,19 @@ void RenderThread::stage(gl::Context& context, const View& view, std::uint64_t s
     }
     renderer_->setOutput(output);
     renderer_->setClipmapEye(view.clipmapEye);
+    renderer_->setVoxelView(view.voxels);
     renderer_->setTime(view.time);
     setActivity(finished_ ? "rendering" : fmt::format("rendering 1/{}", divisor));
-    const auto stop = [this, serial] { return latest_ != serial || ordered_; };
-    // The first stage is never given up, so that there is always a next picture while the view moves.
-    if (!renderer_->render(view.camera, first ? std::function<bool()>() : stop)) {
+    // The first stage is finished whatever comes, so that there is always a next picture while the view moves.
+    const auto stop = [this, serial, first] { return quitting_ || (!first && (latest_ != serial || ordered_)); };
+    if (quick) {
+        renderer_->render(view.camera, [] { return true; });
+    } else if (!renderer_->render(view.camera, stop)) {
         finished_ = false;
         return;
     }
     divisor_ = divisor;
+    if (quick) return publish(view, serial, finished_, start);
     double perPixel = 0;
     for (const FrameStats::Pass& pass : renderer_->stats().passes) {
         const std::string& name = pass.name;
@@ -453,7 +461,14 @@ void RenderThread::publish(const View& view, std::uint64_t serial, bool finished
         picture->texture = presenter_->encode(renderer_->displayTexture(), divisor_ > 1);
     } else {
         const Image image = renderer_->channel(view.channel);
-        picture->texture = presenter_->encode(pictureOf(view.channel, image, view.settings), divisor_ > 1);
+        Image shown = pictureOf(view.channel, image, view.settings);
+        if (view.triangles > 0 && view.channel.starts_with("voxel_")) {
+            const Image beauty = renderer_->display();
+            const auto share = static_cast<float>(view.triangles);
+            for (std::size_t i = 0; i < shown.data.size(); ++i)
+                shown.data[i] += share * (beauty.data[i] - shown.data[i]);
+        }
+        picture->texture = presenter_->encode(shown, divisor_ > 1);
     }
     picture->view = view;
     picture->serial = serial;
@@ -463,6 +478,7 @@ void RenderThread::publish(const View& view, std::uint64_t serial, bool finished
     picture->clipmap = renderer_->clipmap();
     picture->levels = renderer_->levels();
     picture->leftOut = renderer_->leftOut();
+    if (latest_ == serial && finished) picture->image = renderer_->channel(view.channel);
     if (latest_ == serial) picture->position = renderer_->channel("position");
     picture->milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     {

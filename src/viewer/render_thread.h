@@ -19,6 +19,7 @@
 
 #include "capture/script.h"
 #include "frame/renderer.h"
+#include "frame/voxel_view.h"
 #include "gl/context.h"
 #include "gl/texture.h"
 #include "viewer/settings_history.h"
@@ -34,7 +35,12 @@ struct View {
     Settings settings;               ///< output.width and height are those of the finished picture
     std::optional<glm::dvec3> clipmapEye;
     std::vector<Light> lights;  ///< in the place of the scene's, when they are as many
+    VoxelViewOptions voxels;    ///< of voxel views
+    double triangles = 0;       ///< share of `beauty` that is mixed into a voxel view, 0 to 1
 };
+
+/// Whether the channel needs voxels and G-buffer alone, without light on the visible surfaces.
+bool withoutCones(const View& view);
 
 /// What the window knows of a scene. `outline` has neither triangles nor images.
 struct SceneFacts {
@@ -61,6 +67,7 @@ struct Picture {
     std::vector<LeftOut> leftOut;
     double milliseconds = 0;  ///< from taking up the view's stage to the finished texture
     Image position;           ///< channel `position` in this picture's size; empty while the view moves
+    Image image;              ///< of a finished picture at rest: the channel as an EXR holds it
 };
 
 /// A line for the user.
@@ -97,7 +104,8 @@ class RenderThread {
     };
     /// Does `job` once the finished picture of the last view that was shown is on the device. Errors become messages.
     void afterPicture(std::function<void(Desk&)> job);
-    /// Does `job` as soon as possible: voxels and their light are whole, the frame's channels are not.
+    /// Does `job` as soon as possible: voxels and their light are whole, the frame's channels are not. It must not
+    /// render.
     void now(std::function<void(Desk&)> job);
     /// Hands `result` to the window's thread: takeResults() runs it.
     void deliver(std::function<void()> result);
@@ -155,6 +163,7 @@ class RenderThread {
     Clock::time_point activityStart_;
     bool idle_ = true;
     std::atomic<std::uint64_t> latest_{0};  ///< serial_, to be asked within a frame
+    std::atomic<bool> quitting_{false};     ///< quit_, to be asked within a frame
     std::atomic<bool> ordered_{false};      ///< orders_ is not empty, to be asked within a frame
     std::atomic<double> motionBudget_{100};
 

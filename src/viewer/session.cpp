@@ -28,7 +28,8 @@ bool sameCamera(const Camera& a, const Camera& b) {
 
 bool sameView(const View& a, const View& b) {
     return a.scene == b.scene && sameCamera(a.camera, b.camera) && a.time == b.time && a.channel == b.channel &&
-           a.clipmapEye == b.clipmapEye && a.lights == b.lights && sameSettings(a.settings, b.settings);
+           a.clipmapEye == b.clipmapEye && a.voxels == b.voxels && a.triangles == b.triangles && a.lights == b.lights &&
+           sameSettings(a.settings, b.settings);
 }
 
 bool isPanorama(const fs::path& file) {
@@ -146,6 +147,10 @@ void Session::takeScene() {
     environmentFile.clear();
     playing = false;
     frozenEye.reset();
+    forgetInspection();
+    releaseHeld();
+    slice.reset();
+    cutAxis = -1;
     flashes.clear();
     history = {};
     levelShown.clear();
@@ -196,6 +201,223 @@ bool Session::focus(const glm::dvec2& place) {
     moved();
     camera.focus(*surface);
     return true;
+}
+
+// ---- Questions
+
+namespace {
+
+/// Exact where the renderer's beauty is exposed.
+glm::vec3 withoutExposure(const glm::vec3& exposed, double exposure) {
+    return exposed * static_cast<float>(std::exp2(-exposure));
+}
+
+glm::vec3 pixelOf(const Image& image, int x, int y) {
+    const float* p = image.pixel(x, y);
+    return {p[0], p[1], p[2]};
+}
+
+json array(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+}  // namespace
+
+void Session::inspect(const glm::dvec2& place) {
+    if (!facts) return;
+    const Settings::Output& output = settings.now().output;
+    const glm::ivec2 pixel = glm::clamp(glm::ivec2(place * glm::dvec2(output.width, output.height)), glm::ivec2(0),
+                                        glm::ivec2(output.width, output.height) - 1);
+    forgetInspection();
+    thread.afterPicture([this, pixel](RenderThread::Desk& desk) {
+        auto found = std::make_shared<Inspection>();
+        found->pixel = pixel;
+        found->view = desk.view;
+        const Settings::Output& size = desk.view.settings.output;
+        if (pixel.x >= size.width || pixel.y >= size.height) return;
+        if (withoutCones(desk.view)) desk.renderer.render(desk.view.camera);
+        const int n = size.supersample;
+        found->cones = desk.renderer.inspect(pixel.x * n + n / 2, pixel.y * n + n / 2);
+        for (const char* name :
+             {"beauty", "direct", "indirect_diffuse", "indirect_specular", "transmission", "emission"}) {
+            const glm::vec3 value = pixelOf(desk.renderer.channel(name), pixel.x, pixel.y);
+            found->terms.emplace_back(name,
+                                      std::string(name) == "beauty" ? withoutExposure(value, size.exposure) : value);
+        }
+        auto scene = std::make_shared<Scene>(desk.scene);
+        thread.deliver([this, found, scene] {
+            Settings s = found->view.settings;
+            const Camera c =
+                pixelCamera(found->view.camera, s.output.width, s.output.height, found->pixel.x, found->pixel.y);
+            s.output.width = s.output.height = 1;
+            // Few paths see small bright things; those of one pixel cost little.
+            s.reference.samples = std::max(s.reference.samples, 1 << 16);
+            found->tracer = std::make_unique<BackgroundTracer>(scene, found->view.time, c, s, 256, wake);
+            forgetInspection();
+            inspection = std::make_unique<Inspection>(std::move(*found));
+        });
+    });
+}
+
+std::optional<glm::vec3> Inspection::traced(const std::string& term) const {
+    const auto picture = tracer ? tracer->picture() : nullptr;
+    if (!picture) return std::nullopt;
+    const std::map<std::string, const Image*> images = {{"beauty", &picture->beauty},
+                                                        {"direct", &picture->direct},
+                                                        {"indirect_diffuse", &picture->indirectDiffuse},
+                                                        {"indirect_specular", &picture->indirectSpecular},
+                                                        {"transmission", &picture->transmission},
+                                                        {"emission", &picture->emission}};
+    return pixelOf(*images.at(term), 0, 0);
+}
+
+std::string Inspection::json() const {
+    nlohmann::json tree = {{"pixel", {pixel.x, pixel.y}},
+                           {"camera",
+                            {{"position", array(view.camera.position)},
+                             {"target", array(view.camera.target)},
+                             {"up", array(view.camera.up)},
+                             {"fov_deg", view.camera.verticalFovDeg}}},
+                           {"time_s", view.time},
+                           {"settings", toJson(view.settings)}};
+    for (const auto& [name, value] : terms) {
+        tree["terms"][name] = {{"voxels", array(value)}};
+        if (const auto reference = traced(name)) tree["terms"][name]["path_traced"] = array(*reference);
+    }
+    if (const auto picture = tracer ? tracer->picture() : nullptr)
+        tree["path_tracer"] = {{"samples", picture->samples}, {"relative_error", picture->error}};
+    tree["surface"] = nullptr;
+    tree["cones"] = nlohmann::json::array();
+    if (cones.hit) {
+        tree["surface"] = {{"position", array(cones.position)}, {"normal", array(cones.normal)}};
+        tree["gathered"] = array(cones.radiance());
+    }
+    for (const InspectedCone& cone : cones.cones) {
+        nlohmann::json samples = nlohmann::json::array();
+        for (const ConeSample& s : cone.samples)
+            samples.push_back({{"distance_m", s.distance},
+                               {"length_m", s.length},
+                               {"level", s.level},
+                               {"footprint_m", s.footprint},
+                               {"transmittance", s.transmittance},
+                               {"openness", s.openness},
+                               {"radiance", array(s.radiance)}});
+        tree["cones"].push_back({{"direction", array(cone.direction)},
+                                 {"tan_half_angle", cones.tanHalfAngle},
+                                 {"weight", cone.weight},
+                                 {"radiance", array(cone.radiance)},
+                                 {"sky", array(cone.sky)},
+                                 {"transmittance", cone.transmittance},
+                                 {"openness", cone.openness},
+                                 {"truncated", cone.truncated},
+                                 {"samples", samples}});
+    }
+    return tree.dump(2);
+}
+
+void Session::hold() {
+    if (!picture || !picture->finished || picture->image.data.empty())
+        return say("the picture is not finished yet", true);
+    releaseHeld();
+    held = Held{picture->texture, picture->image, "held " + picture->view.channel};
+}
+
+void Session::releaseHeld() {
+    held.reset();
+    retire(std::move(referenceTracer));
+    traced_.reset();
+    difference.reset();
+    compared_.reset();
+}
+
+void Session::holdFile(const fs::path& file) {
+    try {
+        Image image = readImage(file);
+        if (image.channels < 3) throw InputError(file.string(), "", "has no colours");
+        if (image.channels > 3) {
+            Image three(image.width, image.height, 3);
+            for (int y = 0; y < image.height; ++y)
+                for (int x = 0; x < image.width; ++x) std::copy_n(image.pixel(x, y), 3, three.pixel(x, y));
+            image = std::move(three);
+        }
+        releaseHeld();
+        held = Held{nullptr, std::move(image), file.filename().string()};
+    } catch (const Error& error) {
+        say(error.what(), true);
+    }
+}
+
+void Session::holdReference() {
+    if (!facts) return;
+    releaseHeld();
+    channel = "beauty";
+    thread.now([this](RenderThread::Desk& desk) {
+        auto scene = std::make_shared<Scene>(desk.scene);
+        const View view = desk.view;
+        thread.deliver([this, scene, view] {
+            referenceView_ = view;
+            const int n = view.settings.output.supersample;
+            referenceTracer = std::make_unique<BackgroundTracer>(scene, view.time, view.camera, view.settings,
+                                                                 std::max(2, 2 * n * n), wake);
+        });
+    });
+}
+
+void Session::retire(std::unique_ptr<BackgroundTracer> tracer) {
+    if (!tracer) return;
+    tracer->stop();
+    retired_.push_back(std::move(tracer));
+}
+
+void Session::forgetInspection() {
+    if (inspection) retire(std::move(inspection->tracer));
+    inspection.reset();
+}
+
+void Session::takeTraced() {
+    std::erase_if(retired_, [](const auto& tracer) { return !tracer->running(); });
+    if (!referenceTracer) return;
+    const auto next = referenceTracer->picture();
+    if (!next || next == traced_) return;
+    traced_ = next;
+    Held reference;
+    reference.image = next->beauty;
+    const auto exposure = static_cast<float>(std::exp2(referenceView_.settings.output.exposure));
+    for (float& value : reference.image.data) value *= exposure;
+    reference.name = fmt::format("path traced, {} samples, error {:.2g} %", next->samples, 100 * next->error);
+    held = std::move(reference);
+    compared_.reset();
+}
+
+void Session::compare() {
+    if (!held || !picture || picture == compared_) return;
+    if (picture->image.data.empty()) return;
+    compared_ = picture;
+    difference.reset();
+    if (picture->image.data.size() != held->image.data.size() || picture->image.width != held->image.width) return;
+    const auto finite = [](const Image& image) {
+        return std::all_of(image.data.begin(), image.data.end(), [](float v) { return std::isfinite(v); });
+    };
+    if (!finite(picture->image) || !finite(held->image)) return;
+    // Through a tone curve both, so that ꟻLIP sees what a display shows.
+    Image a = held->image, b = picture->image;
+    for (Image* image : {&a, &b})
+        for (float& v : image->data) v = std::clamp(v, 0.0f, 1.0f);
+    difference = {linearError(held->image, picture->image), displayError(a, b)};
+}
+
+void Session::askSlice() {
+    if (!facts || !picture) return;
+    const int axis = sliceAxis, depth = sliceDepth, at = std::max(level, 0);
+    const std::uint64_t serial = ++sliceSerial_;
+    slicePicture_ = picture->serial;
+    thread.now([this, axis, depth, at, serial](RenderThread::Desk& desk) {
+        auto read = std::make_shared<VoxelSlice>(desk.renderer.voxelSlice(at, axis, depth));
+        thread.deliver([this, read, serial] {
+            sliceAnswered_ = serial;
+            slice = read;
+        });
+    });
 }
 
 // ---- Clipmap
@@ -359,6 +581,16 @@ View Session::view() const {
     v.settings = settings.now();
     v.clipmapEye = frozenEye;
     v.lights = lights;
+    if (channel.starts_with("voxel_")) {
+        v.triangles = triangles;
+        v.voxels.edges = voxels.edges;
+        if (cutAxis >= 0 && facts) {
+            v.voxels.cutNormal[cutAxis] = cutFlipped ? -1 : 1;
+            const double place =
+                facts->bounds.min[cutAxis] + cutPlace * (facts->bounds.max[cutAxis] - facts->bounds.min[cutAxis]);
+            v.voxels.cutOffset = cutFlipped ? -place : place;
+        }
+    }
     return v;
 }
 
@@ -393,6 +625,8 @@ bool Session::update(double seconds, const glm::ivec2& place) {
     takeScene();
     if (!facts) return changed;
     takePicture(thread.picture());
+    takeTraced();
+    compare();
     changed |= picture != before;
 
     const auto now = Clock::now();

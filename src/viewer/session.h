@@ -10,11 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "cone/inspect.h"
+#include "frame/voxel_slice.h"
+#include "metric/metrics.h"
 #include "viewer/camera_control.h"
 #include "viewer/overlay.h"
 #include "viewer/render_thread.h"
 #include "viewer/script_writer.h"
 #include "viewer/settings_history.h"
+#include "viewer/tracer.h"
 
 namespace voxcone {
 
@@ -32,6 +36,29 @@ struct CostHistory {
     /// By level: voxels that were voxelized anew in each of the frames.
     std::vector<std::deque<float>> voxels;
     void add(const Picture& picture);
+};
+
+/// A pixel that was asked about: what it sums, and the cones that gathered it.
+struct Inspection {
+    glm::ivec2 pixel{0};  ///< of the picture, from the upper left
+    View view;
+    PixelCones cones;
+    /// Radiance towards the eye by channel, W/(m² sr): beauty without exposure, direct, ….
+    std::vector<std::pair<std::string, glm::vec3>> terms;
+    std::unique_ptr<BackgroundTracer> tracer;  ///< of the same pixel
+    int selected = 0;                          ///< cone
+    bool onlySelected = false;                 ///< draw that one alone
+    /// All of it, the path-traced terms too.
+    std::string json() const;
+    /// The path-traced value of a term; nothing yet, or none.
+    std::optional<glm::vec3> traced(const std::string& term) const;
+};
+
+/// A picture that is held to compare the present one with.
+struct Held {
+    std::shared_ptr<const gl::Texture> texture;
+    Image image;  ///< linear, as an EXR of its channel holds it
+    std::string name;
 };
 
 /// A region that was just voxelized, for as long as it flashes.
@@ -73,6 +100,25 @@ struct Session {
     std::vector<char> levelShown;  ///< by level; wire box
     std::deque<Flash> flashes;
 
+    // ---- Voxels
+    VoxelViewOptions voxels;
+    double triangles = 0;  ///< View::triangles
+    int cutAxis = -1;      ///< −1: nothing is cut
+    bool cutFlipped = false;
+    double cutPlace = 0.5;  ///< over the scene's bounds along the axis
+    bool sliceShown = false;
+    int sliceAxis = 1, sliceDepth = 0;
+    std::shared_ptr<const VoxelSlice> slice;  ///< the latest
+
+    // ---- Questions
+    std::unique_ptr<Inspection> inspection;
+    bool inspecting = false;  ///< clicks ask about pixels
+    std::optional<Held> held;
+    std::string heldName;                                            ///< as typed in the panel
+    double split = 0.5;                                              ///< left of it the held picture is shown
+    std::optional<std::pair<LinearError, DisplayError>> difference;  ///< of the present picture to the held one
+    std::unique_ptr<BackgroundTracer> referenceTracer;               ///< renders the held picture
+
     // ---- Views and recording
     std::vector<SavedView> views;
     bool recording = false;
@@ -97,6 +143,20 @@ struct Session {
     bool focus(const glm::dvec2& place);
     /// World position seen there, as far as it is known.
     std::optional<glm::dvec3> surfaceAt(const glm::dvec2& place) const;
+
+    /// Asks about the pixel at a place of the picture (0 to 1).
+    void inspect(const glm::dvec2& place);
+    /// Holds the present picture, a file, or the path-traced picture of the present view.
+    void hold();
+    void holdFile(const std::filesystem::path& file);
+    void holdReference();
+    void releaseHeld();
+    void forgetInspection();
+    /// Asks for the slice that the controls say.
+    void askSlice();
+    bool slicePending() const { return sliceAnswered_ != sliceSerial_; }
+    /// The slice shows voxels as they were for an earlier view.
+    bool sliceStale() const { return picture && picture->finished && slicePicture_ != picture->serial; }
 
     void freeze(bool on);
     bool frozen() const { return frozenEye.has_value(); }
@@ -128,6 +188,8 @@ struct Session {
     bool settled() const;
     /// Something moves by itself, so that the window must be drawn again.
     bool animated() const { return playing || recording || !flashes.empty(); }
+    /// Hands work to the window's next turn; see RenderThread.
+    std::function<void()> wake;
 
   private:
     void takeScene();
@@ -137,7 +199,18 @@ struct Session {
     SavedView viewNow(const std::string& name) const;
 
     std::function<void(Settings&)> prepare_;
+    void takeTraced();
+    void retire(std::unique_ptr<BackgroundTracer> tracer);
+    void compare();
+
+    std::vector<std::unique_ptr<BackgroundTracer>> retired_;  ///< told to stop; nobody waits for their last pass
     std::optional<View> shown_;
+    std::shared_ptr<const Picture> compared_;
+    std::shared_ptr<const TracedPicture> traced_;
+    View referenceView_;
+    std::uint64_t sliceAnswered_ = 0;
+    std::uint64_t sliceSerial_ = 0;   ///< of the last slice that was asked for
+    std::uint64_t slicePicture_ = 0;  ///< serial of the view that it shows
     std::uint64_t shownSerial_ = 0;
     Clock::time_point placeChanged_;
     glm::ivec2 place_{0}, lastPlace_{0};

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "frame/tone_curve.h"
+
 namespace voxcone {
 
 namespace fs = std::filesystem;
@@ -50,6 +52,23 @@ void mapKeys(ImGuiIO& io) {
                                         {ImGuiKey_Y, GLFW_KEY_Y},
                                         {ImGuiKey_Z, GLFW_KEY_Z}};
     for (const auto& [to, from] : keys) io.KeyMap[to] = from;
+}
+
+/// Linear exposed values as the window shows them.
+std::shared_ptr<const gl::Texture> textureOf(const Image& image, ToneMap curve) {
+    std::vector<std::uint8_t> texels;
+    for (int y = image.height - 1; y >= 0; --y) {
+        for (int x = 0; x < image.width; ++x) {
+            const float* p = image.pixel(x, y);
+            const glm::vec3 shown = toneCurve(curve, {p[0], p[1], p[2]});
+            for (int c = 0; c < 3; ++c)
+                texels.push_back(static_cast<std::uint8_t>(std::lround(255 * srgbFromLinear(shown[c]))));
+            texels.push_back(255);
+        }
+    }
+    auto texture = std::make_shared<gl::Texture>(gl::Texture::create2D(GL_RGBA8, image.width, image.height));
+    texture->upload(0, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
+    return texture;
 }
 
 /// The newest change of any file below `folder`.
@@ -100,6 +119,10 @@ Viewer::Viewer(const ViewerOptions& options)
     io.Fonts->AddFontDefault(&font);
     ImGui_ImplOpenGL3_Init("#version 430 core");
     if (!options.shaders.empty()) shaderTime_ = newestBelow(options.shaders);
+    session_.wake = [this] {
+        woken_ = true;
+        Window::wake();
+    };
     if (!options.file.empty()) session_.open(options.file);
     layOut();
 }
@@ -109,6 +132,7 @@ Viewer::~Viewer() {
     ImGui::DestroyContext(imgui_);
     // Their textures go while a context of theirs is current.
     session_.picture.reset();
+    session_.held.reset();
 }
 
 void Viewer::run() {
@@ -261,6 +285,12 @@ void Viewer::key(const Event& event) {
         case GLFW_KEY_B:
             session_.channel = "beauty";
             break;
+        case GLFW_KEY_I:
+            if (rect_.contains(cursor_)) session_.inspect(placeInPicture(cursor_));
+            break;
+        case GLFW_KEY_H:
+            session_.hold();
+            break;
         case GLFW_KEY_C:
             session_.freeze(!session_.frozen());
             break;
@@ -325,6 +355,7 @@ void Viewer::button(const Event& event) {
     drag_ = event.code;
     dragMods_ = event.mods;
     if (event.code != GLFW_MOUSE_BUTTON_LEFT) return;
+    if (session_.inspecting) session_.inspect(placeInPicture(cursor_));
     const auto now = Clock::now();
     const bool twice = now - lastClick_ < std::chrono::duration<double>(kDoubleClick);
     lastClick_ = now;
@@ -434,19 +465,36 @@ Image Viewer::readWindow() {
 
 void Viewer::drawPicture() {
     if (!session_.picture || !session_.picture->texture) return;
-    const auto texture = static_cast<std::uintptr_t>(session_.picture->texture->id());
-    ImGui::GetBackgroundDrawList()->AddImage(reinterpret_cast<ImTextureID>(texture), vec(rect_.low),
-                                             vec(rect_.low + rect_.size), ImVec2(0, 1), ImVec2(1, 0));
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    const auto image = [&](const gl::Texture& texture, double from, double to) {
+        const auto id = reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture.id()));
+        list.AddImage(id, vec(rect_.low + glm::dvec2(from * rect_.size.x, 0)),
+                      vec(rect_.low + glm::dvec2(to * rect_.size.x, rect_.size.y)), ImVec2(static_cast<float>(from), 1),
+                      ImVec2(static_cast<float>(to), 0));
+    };
+    if (!session_.held) return image(*session_.picture->texture, 0, 1);
+    if (!session_.held->texture)
+        session_.held->texture = textureOf(session_.held->image, session_.settings.now().output.toneMap);
+    // Where whole pixels of both end.
+    const double split = std::round(session_.split * rect_.size.x) / rect_.size.x;
+    image(*session_.held->texture, 0, split);
+    image(*session_.picture->texture, split, 1);
+    const auto x = static_cast<float>(rect_.low.x + split * rect_.size.x);
+    list.AddLine(ImVec2(x, vec(rect_.low).y), ImVec2(x, vec(rect_.low + rect_.size).y), 0xffffffff, uiScale_);
 }
 
 void Viewer::drawOverlays() {
-    if (!session_.picture || session_.picture->clipmap.layout.levels == 0) return;
+    if (!session_.picture) return;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     list.PushClipRect(vec(rect_.low), vec(rect_.low + rect_.size));
     // Lines belong to the picture that is shown, not to the camera that is ahead of it.
     const Projection projection(session_.picture->view.camera, rect_);
     if (session_.showUpdates) drawFlashes(projection);
-    if (session_.showLevels || session_.showSnapGrid) drawLevels(projection);
+    if (session_.picture->clipmap.layout.levels > 0) {
+        if (session_.showLevels || session_.showSnapGrid) drawLevels(projection);
+        if (session_.sliceShown && session_.slice) drawSlicePlane(projection);
+    }
+    if (session_.inspection) drawCones(projection);
     list.PopClipRect();
 }
 
@@ -511,6 +559,57 @@ void Viewer::drawLevels(const Projection& projection) {
             list.AddText(vec(*eye + glm::dvec2(8 * uiScale_, -6 * uiScale_)), 0xffffffff, "clipmap");
         }
     }
+}
+
+void Viewer::drawSlicePlane(const Projection& projection) {
+    const VoxelSlice& slice = *session_.slice;
+    if (slice.width == 0) return;
+    const glm::dvec3 low = slice.origin + slice.voxelSize * glm::dvec3(slice.low);
+    glm::dvec3 high = slice.origin + slice.voxelSize * glm::dvec3(slice.index(slice.width, slice.height));
+    high[slice.axis] += slice.voxelSize;
+    const Bounds box{low, high};
+    for (const auto& [a, b] : kBoxEdges)
+        if (const auto line = projection.line(boxCorner(box, a), boxCorner(box, b)))
+            ImGui::GetBackgroundDrawList()->AddLine(vec(line->first), vec(line->second), 0xc0ffffff, uiScale_);
+}
+
+void Viewer::drawCones(const Projection& projection) {
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    const Inspection& asked = *session_.inspection;
+    if (!asked.cones.hit) return;
+    for (std::size_t i = 0; i < asked.cones.cones.size(); ++i) {
+        const bool selected = static_cast<int>(i) == asked.selected;
+        if (asked.onlySelected && !selected) continue;
+        const InspectedCone& cone = asked.cones.cones[i];
+        if (cone.samples.empty()) continue;
+        const glm::dvec3 end = asked.cones.position + cone.samples.back().distance * cone.direction;
+        if (const auto line = projection.line(asked.cones.position, end))
+            list.AddLine(vec(line->first), vec(line->second), selected ? 0xffffffff : 0x80ffffff,
+                         (selected ? 2.0f : 1.0f) * uiScale_);
+        double before = 1;
+        for (const ConeSample& sample : cone.samples) {
+            // A sphere of the footprint, filled by what it stops.
+            const glm::dvec3 centre = asked.cones.position + sample.distance * cone.direction;
+            const double stopped = std::clamp(before - sample.transmittance, 0.0, 1.0);
+            before = sample.transmittance;
+            const auto place = projection.point(centre);
+            if (!place) continue;
+            const auto radius = static_cast<float>(0.5 * sample.footprint * projection.scaleAt(centre));
+            if (radius > rect_.size.y) continue;
+            const int level = static_cast<int>(std::lround(sample.level));
+            if (sample.length > 0) {
+                list.AddCircle(vec(*place), radius, levelColor(level, selected ? 0.9f : 0.35f), 0,
+                               (selected ? 1.5f : 1.0f) * uiScale_);
+                if (stopped > 1e-3)
+                    list.AddCircleFilled(vec(*place), radius, levelColor(level, 0.6f * static_cast<float>(stopped)));
+            } else {
+                list.AddCircleFilled(vec(*place), 2.5f * uiScale_,
+                                     levelColor(level, 0.4f + 0.6f * static_cast<float>(stopped)));
+            }
+        }
+    }
+    if (const auto place = projection.point(asked.cones.position))
+        list.AddCircle(vec(*place), 4 * uiScale_, 0xffffffff, 0, 2 * uiScale_);
 }
 
 void Viewer::drawMenu() {
@@ -585,7 +684,7 @@ void Viewer::drawStatus() {
         const Message& last = session_.messages.back();
         ImGui::SameLine();
         if (last.error) ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 0.45f, 0.4f, 1));
-        ImGui::TextUnformatted(("   " + last.text).c_str());
+        ImGui::TextUnformatted(("   " + last.text.substr(0, last.text.find('\n'))).c_str());
         if (last.error) ImGui::PopStyleColor();
     }
     ImGui::End();

@@ -79,6 +79,8 @@ class Viewer {
     void drawOverlays();
     void drawLevels(const Projection& projection);
     void drawFlashes(const Projection& projection);
+    void drawCones(const Projection& projection);
+    void drawSlicePlane(const Projection& projection);
     void drawOpenDialog();
     glm::dvec2 placeInPicture(const glm::dvec2& screen) const;
     bool keyDown(int key) const { return down_.contains(key); }

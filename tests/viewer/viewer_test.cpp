@@ -53,6 +53,8 @@ class ViewerTest : public testing::Test {
             applyJson(settings, basicScript()["settings"], "test", "settings");
         };
         options.folders = {folder(), folder() / "config"};
+        fs::copy(VOXCONE_SOURCE_DIR "/shaders", folder() / "shaders", fs::copy_options::recursive);
+        options.shaders = folder() / "shaders";
         options.width = 900;
         options.height = 600;
         options.debug = true;
@@ -476,6 +478,197 @@ TEST_F(ViewerTest, FollowsTheWindowsSizeAndSurvivesMinimising) {
     viewer().window().resize(900, 600);
     ASSERT_TRUE(turnUntil([&] { return viewer().window().framebufferSize() == glm::ivec2(900, 600); }));
     session().followWindow = false;
+}
+
+TEST_F(ViewerTest, APixelsConesAddUpToItsPicture) {
+    Settings settings = session().settings.now();
+    settings.cone.diffuse = 6;
+    settings.cone.rotate = false;  // no mean over neighbours
+    settings.cone.nearField = 4;
+    settings.reference.samples = 64;
+    session().settings.change(settings, "test");
+    session().channel = "ao";
+    ASSERT_TRUE(settle());
+    const Image ao = session().picture->image;
+    for (const glm::dvec2 place : {glm::dvec2(0.3, 0.8), glm::dvec2(0.5, 0.55), glm::dvec2(0.6, 0.9)}) {
+        moveTo(inPicture(place.x, place.y));
+        turns(1);
+        session().forgetInspection();
+        key(GLFW_KEY_I);
+        ASSERT_TRUE(turnUntil([&] { return session().inspection != nullptr; }));
+        const Inspection& asked = *session().inspection;
+        ASSERT_TRUE(asked.cones.hit);
+        ASSERT_EQ(asked.cones.cones.size(), 6u);
+        const auto surface = session().surfaceAt(place);
+        ASSERT_TRUE(surface.has_value());
+        EXPECT_LT(glm::length(asked.cones.position - *surface), 1e-4 * glm::length(*surface) + 1e-5);
+        double weights = 0, openness = 0;
+        for (const InspectedCone& cone : asked.cones.cones) {
+            weights += cone.weight;
+            openness += cone.weight * cone.openness;
+            EXPECT_FALSE(cone.truncated);
+            ASSERT_FALSE(cone.samples.empty());
+            double before = 1;
+            for (const ConeSample& sample : cone.samples) {
+                EXPECT_LE(sample.transmittance, before);
+                before = sample.transmittance;
+                EXPECT_GE(sample.footprint, session().picture->clipmap.layout.voxelSize * 0.999);
+            }
+            EXPECT_EQ(cone.samples.back().transmittance, cone.transmittance);
+            EXPECT_LT(glm::length(cone.samples.back().radiance - cone.radiance), 1e-5f);
+        }
+        EXPECT_NEAR(weights, 1, 1e-5);
+        EXPECT_NEAR(openness, static_cast<double>(ao.pixel(asked.pixel.x, asked.pixel.y)[0]), 1e-5);
+        glm::vec3 sum(0), beauty(0);
+        for (const auto& [name, value] : asked.terms) (name == "beauty" ? beauty : sum) += value;
+        EXPECT_LT(glm::length(sum - beauty), 1e-4f);
+        ASSERT_TRUE(turnUntil([&] { return asked.traced("beauty").has_value(); }));
+        const json tree = json::parse(asked.json());
+        EXPECT_EQ(tree["cones"].size(), 6u);
+        EXPECT_TRUE(tree["terms"]["direct"].contains("path_traced"));
+        // A sun and a constant sky on a plane: both renderers know that.
+        const glm::vec3 voxels = asked.terms.at(1).second, traced = *asked.traced("direct");
+        EXPECT_NEAR(voxels.x, traced.x, 0.05 * static_cast<double>(voxels.x + traced.x) + 1e-3);
+    }
+    for (Panel& panel : viewer().panels()) panel.open = std::string(panel.name) == "Inspector";
+    draws(4);
+    session().forgetInspection();
+}
+
+TEST_F(ViewerTest, SlicesHoldAllVoxelsOfALevel) {
+    session().channel = "voxel_albedo";
+    session().level = 0;
+    session().sliceShown = true;
+    for (Panel& panel : viewer().panels()) panel.open = std::string(panel.name) == "Voxels";
+    draws(3);
+    ASSERT_TRUE(turnUntil([&] { return session().slice != nullptr; }));
+    draws(3);
+    EXPECT_EQ(session().slice->width, 16);
+    session().sliceShown = false;
+    std::uint64_t found = 0, wanted = 0;
+    bool done = false;
+    session().thread.now([&](RenderThread::Desk& desk) {
+        for (int axis = 0; axis < 3; ++axis) {
+            for (int depth = 0; depth < 16; ++depth) {
+                const VoxelSlice slice = desk.renderer.voxelSlice(0, axis, depth);
+                for (const VoxelFacts& voxel : slice.voxels) {
+                    found += voxel.occupied ? 1 : 0;
+                    EXPECT_EQ(voxel.occupied, voxel.opacity() > 0);
+                }
+            }
+        }
+        wanted = desk.renderer.stats().counts.at("level_0_voxels");
+        session().thread.deliver([&] { done = true; });
+    });
+    ASSERT_TRUE(turnUntil([&] { return done; }));
+    EXPECT_GT(wanted, 0u);
+    EXPECT_EQ(found, 3 * wanted);
+}
+
+TEST_F(ViewerTest, ACutLeavesVoxelsAway) {
+    const auto lit = [&] {
+        EXPECT_TRUE(settle());
+        const auto& data = session().picture->image.data;
+        return std::count_if(data.begin(), data.end(), [](float v) { return v > 0; });
+    };
+    session().channel = "voxel_albedo";
+    session().level = 2;
+    const auto all = lit();
+    EXPECT_GT(all, 0);
+    session().cutAxis = 1;
+    session().cutPlace = 1.01;  // above everything, by less than half a voxel
+    session().cutFlipped = false;
+    const auto some = lit();
+    session().cutPlace = -1;
+    EXPECT_EQ(lit(), 0);
+    session().cutFlipped = true;
+    EXPECT_EQ(lit(), all);
+    EXPECT_LE(some, all);
+    session().cutAxis = -1;
+    session().voxels.edges = true;
+    EXPECT_GT(lit(), 0);
+    session().triangles = 0.5;
+    ASSERT_TRUE(settle());
+    session().voxels.edges = false;
+    session().triangles = 0;
+}
+
+TEST_F(ViewerTest, HeldPicturesAreCompared) {
+    key(GLFW_KEY_H);
+    ASSERT_TRUE(session().held.has_value());
+    ASSERT_TRUE(turnUntil([&] { return session().difference.has_value(); }));
+    EXPECT_EQ(session().difference->first.rmse, 0);
+    Settings brighter = session().settings.now();
+    brighter.output.exposure = 1;
+    session().settings.change(brighter, "brighter");
+    ASSERT_TRUE(settle());
+    viewer().turn(0);
+    ASSERT_TRUE(session().difference.has_value());
+    EXPECT_NEAR(session().difference->first.relativeBias, 1, 1e-3) << "twice as bright";
+    // The split shows the held picture on its left.
+    session().split = 0.5;
+    draws(2);
+    const Image shown = viewer().readWindow();
+    const auto light = [&](double x) {
+        const glm::ivec2 p(inPicture(x, 0.9));
+        return static_cast<double>(shown.pixel(p.x, p.y)[1]);
+    };
+    EXPECT_LT(light(0.47), light(0.53));
+
+    Settings quick = session().settings.now();
+    quick.output.exposure = 0;
+    quick.reference.samples = 8;
+    session().settings.change(quick, "quick");
+    session().holdReference();
+    ASSERT_TRUE(turnUntil([&] { return session().held.has_value() && session().difference.has_value(); }));
+    EXPECT_GT(session().difference->first.rmse, 0);
+    EXPECT_LT(std::abs(session().difference->first.relativeBias), 0.3);
+    for (Panel& panel : viewer().panels()) panel.open = std::string(panel.name) == "Comparison";
+    draws(3);
+    session().releaseHeld();
+    session().holdFile(folder() / "absent.exr");
+    EXPECT_THAT(lastMessage(), HasSubstr("absent.exr"));
+    session().holdFile(screenshot().string() + ".exr");
+    ASSERT_TRUE(session().held.has_value());
+    ASSERT_TRUE(turnUntil([&] { return session().difference.has_value(); }));
+    EXPECT_EQ(session().difference->first.rmse, 0);
+    session().releaseHeld();
+}
+
+TEST_F(ViewerTest, ShadersAreReloadedAndMistakesShown) {
+    const fs::path file = folder() / "shaders" / "frame" / "composite.comp";
+    std::ifstream in(file);
+    const std::string good((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    const auto write = [&](const std::string& text) {
+        std::ofstream(file) << text;
+        // Some file systems count in seconds.
+        fs::last_write_time(file, fs::file_time_type::clock::now() + std::chrono::seconds(2));
+        viewer().turn(0);
+    };
+    const Image before = session().picture->image;
+    session().messages.clear();
+    write(good + "\nmistake;\n");
+    ASSERT_TRUE(turnUntil([&] { return !session().messages.empty(); }));
+    EXPECT_THAT(lastMessage(), HasSubstr("shaders/frame/composite.comp:"));
+    EXPECT_TRUE(session().messages.back().error);
+    ASSERT_TRUE(settle());
+    EXPECT_EQ(session().picture->image.data, before.data) << "the old shaders stay";
+
+    std::string twice = good;
+    const std::string store = "imageStore(u_output, pixel, vec4(radiance";
+    ASSERT_NE(twice.find(store), std::string::npos);
+    twice.replace(twice.find(store), store.size(), "imageStore(u_output, pixel, vec4(2.0 * radiance");
+    session().messages.clear();
+    std::ofstream(file) << twice;
+    key(GLFW_KEY_F5);
+    ASSERT_TRUE(turnUntil([&] { return !session().messages.empty(); }));
+    EXPECT_EQ(lastMessage(), "shaders compiled");
+    ASSERT_TRUE(turnUntil([&] { return session().settled() && session().picture->image.data != before.data; }));
+    EXPECT_NEAR(session().picture->image.data.back(), 2 * before.data.back(), 1e-4f);
+    session().messages.clear();
+    std::ofstream(file) << good;
+    key(GLFW_KEY_F5);
+    ASSERT_TRUE(turnUntil([&] { return !session().messages.empty(); }));
 }
 
 TEST_F(ViewerTest, AnswersWhileItRenders) {

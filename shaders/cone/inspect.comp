@@ -20,14 +20,14 @@ layout(local_size_x = 32) in;
 
 uniform float u_inverseVoxelSize;
 uniform ivec2 u_pixel;
-struct Traced {
+struct InspectedCone {
     vec4 origin;     // voxels of level 0; 1 where the pixel shows a surface
     vec4 direction;  // world space; weight
     vec4 radiance;   // of voxels, W/(m² sr); samples taken
     vec4 sky;        // radiance of the sky over the cone; transmittance
     vec4 surface;    // geometric normal; openness
 };
-layout(std430, binding = 4) writeonly buffer Results { Traced b_results[]; };
+layout(std430, binding = 4) writeonly buffer Results { InspectedCone b_results[]; };
 
 void main() {
     int index = int(gl_GlobalInvocationID.x);
@@ -55,7 +55,7 @@ void main() {
     cone.direction = frameAround(s.normal) * local.xyz;
     ConeResult result = traceCone(cone);
     b_results[index] =
-        Traced(vec4(cone.origin, 1.0), vec4(cone.direction, local.w), vec4(result.radiance, float(g_count)),
+        InspectedCone(vec4(cone.origin, 1.0), vec4(cone.direction, local.w), vec4(result.radiance, float(g_count)),
                vec4(skyRadiance(cone.direction, cone.tanHalfAngle), result.transmittance),
                vec4(cone.normal, result.openness));
 }

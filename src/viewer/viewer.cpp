@@ -73,7 +73,7 @@ std::shared_ptr<const gl::Texture> textureOf(const Image& image, ToneMap curve) 
 
 /// The newest change of any file below `folder`.
 fs::file_time_type newestBelow(const fs::path& folder) {
-    fs::file_time_type newest{};
+    fs::file_time_type newest = fs::file_time_type::min();
     std::error_code none;
     for (fs::recursive_directory_iterator it(folder, none), end; it != end; it.increment(none)) {
         const auto time = it->last_write_time(none);

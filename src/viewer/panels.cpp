@@ -112,6 +112,8 @@ void drawScenePanel(Session& session) {
         ImGui::TreePop();
     }
     if (ImGui::TreeNode("lights", "lights (%d)", static_cast<int>(session.lights.size()))) {
+        ImGui::Checkbox("handles in the picture", &session.showLights);
+        tip("drag a light, or one of its axes (G)");
         for (std::size_t i = 0; i < session.lights.size(); ++i) drawLight(session, i);
         ImGui::TreePop();
     }
@@ -385,16 +387,15 @@ void drawClipmapPanel(Session& session) {
         }
         ImGui::PopID();
     }
-    const auto cost = [&](const char* name) {
-        const auto found = session.history.passes.find(name);
-        return found == session.history.passes.end() || found->second.empty() ? 0.0f : found->second.back();
-    };
-    dim(
-        fmt::format("last update: {} triangles drawn, {} records made, {} levels wait; mark {:.1f}, allocate {:.1f}, "
-                    "accumulate {:.1f}, mips {:.1f} ms",
-                    p.stats.counts.at("voxel_triangles_drawn"), p.stats.counts.at("voxel_records_made"),
-                    p.stats.counts.at("levels_waiting"), cost("voxelize: mark"), cost("voxelize: allocate"),
-                    cost("voxelize: accumulate"), cost("voxelize: mips")));
+    const FrameStats& last = session.history.lastUpdate;
+    if (last.counts.empty()) return;
+    std::string line = fmt::format("last update: {} triangles drawn, {} records made, {} levels wait",
+                                   last.counts.at("voxel_triangles_drawn"), last.counts.at("voxel_records_made"),
+                                   last.counts.at("levels_waiting"));
+    for (const FrameStats::Pass& pass : last.passes)
+        if (pass.name.starts_with("voxelize") || pass.name.starts_with("light"))
+            line += fmt::format("; {} {:.1f} ms", pass.name, pass.milliseconds);
+    dim(line);
 }
 
 // ---- Voxels
@@ -581,7 +582,7 @@ void drawInspectorPanel(Session& session) {
         return;
     }
     if (ImGui::BeginTable("terms", 3, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_RowBg)) {
-        ImGui::TableSetupColumn("W/(m2 sr)");
+        ImGui::TableSetupColumn("W/(m2 sr)", ImGuiTableColumnFlags_WidthFixed, 8.5f * ImGui::GetFontSize());
         ImGui::TableSetupColumn("voxels");
         ImGui::TableSetupColumn("path traced");
         ImGui::TableHeadersRow();
@@ -590,10 +591,10 @@ void drawInspectorPanel(Session& session) {
             ImGui::TableNextColumn();
             text(name);
             ImGui::TableNextColumn();
-            text(fmt::format("{:.4f} {:.4f} {:.4f}", value.x, value.y, value.z));
+            text(fmt::format("{:.3g} {:.3g} {:.3g}", value.x, value.y, value.z));
             ImGui::TableNextColumn();
             const auto traced = asked.traced(name);
-            text(traced ? fmt::format("{:.4f} {:.4f} {:.4f}", traced->x, traced->y, traced->z) : "...");
+            text(traced ? fmt::format("{:.3g} {:.3g} {:.3g}", traced->x, traced->y, traced->z) : "...");
         }
         ImGui::EndTable();
     }
@@ -750,7 +751,7 @@ std::vector<Panel> makePanels() {
 }
 
 void drawHelp(bool& open) {
-    constexpr std::array<std::array<const char*, 2>, 30> kKeys = {{
+    constexpr std::array<std::array<const char*, 2>, 31> kKeys = {{
         {"left drag", "turn around the target"},
         {"right drag", "look about"},
         {"middle drag, Shift + left drag", "move sidewise"},
@@ -766,6 +767,7 @@ void drawHelp(bool& open) {
         {"C", "freeze the clipmap"},
         {"N", "step the frozen clipmap by one snap"},
         {"L", "boxes of levels"},
+        {"G", "handles of lights: drag one, or one of its axes"},
         {"P", "screenshot"},
         {"R", "record the camera's path"},
         {"Ctrl + S", "write a capture script"},

@@ -63,12 +63,13 @@ void CostHistory::add(const Picture& picture) {
         values.back() = static_cast<float>(pass.milliseconds);
     }
     keepLast(frame, static_cast<float>(picture.stats.frameMilliseconds), kFrames);
+    if (!picture.clipmap.update.empty()) lastUpdate = picture.stats;
     voxels.resize(static_cast<std::size_t>(std::max(picture.clipmap.layout.levels, 0)));
     for (std::size_t level = 0; level < voxels.size(); ++level) {
         long long sum = 0;
         for (const auto* regions : {&picture.clipmap.update.fixed, &picture.clipmap.update.moving})
             for (const Region& region : *regions)
-                if (region.level == static_cast<int>(level)) sum += region.box.volume();
+                if (region.level == static_cast<int>(level) && !picture.clipmap.update.all) sum += region.box.volume();
         keepLast(voxels[level], static_cast<float>(sum), kFrames);
     }
 }
@@ -418,6 +419,28 @@ void Session::askSlice() {
             slice = read;
         });
     });
+}
+
+// ---- Lights
+
+std::optional<glm::dvec3> Session::lightPosition(std::size_t light) const {
+    const Light& l = lights[light];
+    if (l.type == LightType::directional) return std::nullopt;
+    return worldLight(lightAt(l, time), facts->outline.worldMatrices(time)).position;
+}
+
+bool Session::movable(std::size_t light) const {
+    return !lights[light].extracted && lights[light].track.position.empty();
+}
+
+void Session::moveLight(std::size_t light, const glm::dvec3& to) {
+    Light& l = lights[light];
+    if (l.node < 0) {
+        l.position = to;
+        return;
+    }
+    const glm::dmat4 world = facts->outline.worldMatrices(time)[static_cast<std::size_t>(l.node)];
+    l.position = glm::dvec3(glm::inverse(world) * glm::dvec4(to, 1));
 }
 
 // ---- Clipmap

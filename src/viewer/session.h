@@ -33,8 +33,9 @@ struct CostHistory {
     static constexpr std::size_t kFrames = 120;
     std::map<std::string, std::deque<float>> passes;  ///< milliseconds by pass, latest last
     std::deque<float> frame;                          ///< milliseconds of the device
-    /// By level: voxels that were voxelized anew in each of the frames.
+    /// By level: voxels that were voxelized anew in each of the frames, but for those that began everything anew.
     std::vector<std::deque<float>> voxels;
+    FrameStats lastUpdate;  ///< of the last frame that voxelized anything
     void add(const Picture& picture);
 };
 
@@ -100,6 +101,10 @@ struct Session {
     std::vector<char> levelShown;  ///< by level; wire box
     std::deque<Flash> flashes;
 
+    // ---- Lights
+    bool showLights = false;  ///< with handles that move them
+    int selectedLight = 0;
+
     // ---- Voxels
     VoxelViewOptions voxels;
     double triangles = 0;  ///< View::triangles
@@ -157,6 +162,13 @@ struct Session {
     bool slicePending() const { return sliceAnswered_ != sliceSerial_; }
     /// The slice shows voxels as they were for an earlier view.
     bool sliceStale() const { return picture && picture->finished && slicePicture_ != picture->serial; }
+
+    /// Where a light stands; nothing for a directional one.
+    std::optional<glm::dvec3> lightPosition(std::size_t light) const;
+    /// Whether it may be moved: neither animated nor standing for something else.
+    bool movable(std::size_t light) const;
+    /// Moves a light to a world position.
+    void moveLight(std::size_t light, const glm::dvec3& to);
 
     void freeze(bool on);
     bool frozen() const { return frozenEye.has_value(); }

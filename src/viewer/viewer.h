@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -79,6 +80,9 @@ class Viewer {
     void drawOverlays();
     void drawLevels(const Projection& projection);
     void drawFlashes(const Projection& projection);
+    void drawLights(const Projection& projection);
+    bool takeHandle();
+    void dragHandle();
     void drawCones(const Projection& projection);
     void drawSlicePlane(const Projection& projection);
     void drawOpenDialog();
@@ -103,7 +107,15 @@ class Viewer {
 
     std::deque<Event> events_;  ///< not yet handled
     std::set<int> down_;        ///< keys that the scene has, not a text field
-    int drag_ = -1;             ///< button that turns the camera
+    /// A light that is being dragged along an axis, or with −1 in the plane of the picture.
+    struct Handle {
+        std::size_t light = 0;
+        int axis = -1;
+        glm::dvec3 start{0};        ///< world position of the light
+        glm::dvec2 startCursor{0};  ///< screen
+    };
+    std::optional<Handle> handle_;
+    int drag_ = -1;  ///< button that turns the camera
     int dragMods_ = 0;
     glm::dvec2 cursor_{0};
     Clock::time_point lastClick_, lastTurn_, lastShaderCheck_;

@@ -29,7 +29,8 @@ using Clock = std::chrono::steady_clock;
 json basicScript() {
     json script = json::parse(R"({ "version": 1,
         "environment": {"color": [0.2, 0.2, 0.3]},
-        "lights": [{"type": "directional", "direction": [-0.3, -1, -0.45], "intensity": 2.5}],
+        "lights": [{"type": "directional", "direction": [-0.3, -1, -0.45], "intensity": 2.5},
+                   {"type": "point", "position": [0.6, 1.3, 0.9], "intensity": 0.4, "name": "lamp"}],
         "settings": {
             "output": {"width": 200, "height": 112}, "voxel": {"resolution": 16}, "cascade": {"levels": 3, "snap": 1},
             "light": {"shadow_resolution": 128, "bounces": 1, "bounce_cones": 1},
@@ -591,6 +592,39 @@ TEST_F(ViewerTest, ACutLeavesVoxelsAway) {
     ASSERT_TRUE(settle());
     session().voxels.edges = false;
     session().triangles = 0;
+}
+
+TEST_F(ViewerTest, LightsAreDraggedInThePicture) {
+    const Image before = session().picture->image;
+    const glm::dvec3 start = session().lights[1].position;
+    const auto place = [&] {
+        return *Projection(session().camera.camera(), viewer().pictureRect()).point(session().lights[1].position);
+    };
+    // Without handles the camera turns.
+    const Camera camera = session().camera.camera();
+    drag(GLFW_MOUSE_BUTTON_LEFT, place(), place() + glm::dvec2(20, 0));
+    EXPECT_NE(session().camera.camera().position, camera.position);
+    session().takeShot(0);
+    key(GLFW_KEY_G);
+    const glm::dvec2 to = place() + glm::dvec2(-30, 18);
+    drag(GLFW_MOUSE_BUTTON_LEFT, place(), to);
+    EXPECT_EQ(session().camera.camera().position, camera.position);
+    EXPECT_LT(glm::length(place() - to), 0.5) << "the light stays below the cursor";
+    EXPECT_GT(glm::length(session().lights[1].position - start), 0.01);
+    ASSERT_TRUE(settle());
+    EXPECT_NE(session().picture->image.data, before.data) << "and lights the scene from there";
+    // Along an axis only that coordinate changes.
+    const glm::dvec3 second = session().lights[1].position;
+    const glm::dvec2 grip = place() + glm::dvec2(0, -40);
+    drag(GLFW_MOUSE_BUTTON_LEFT, grip, grip + glm::dvec2(0, -25));
+    EXPECT_EQ(session().lights[1].position.x, second.x);
+    EXPECT_EQ(session().lights[1].position.z, second.z);
+    EXPECT_GT(session().lights[1].position.y, second.y);
+    ASSERT_TRUE(settle());
+    const fs::path picture = screenshot();
+    key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+    expectSamePictures(picture, capture(lastMessage().substr(6)));
+    key(GLFW_KEY_G);
 }
 
 TEST_F(ViewerTest, HeldPicturesAreCompared) {

@@ -18,7 +18,7 @@ int status(ExitCode code) {
 }
 
 int run(int argc, char** argv) {
-    CLI::App app("Lights a glTF scene by voxel cone tracing, headless, and says how wrong it is.", "voxcone");
+    CLI::App app("Lights a glTF scene by voxel cone tracing and says how wrong it is.", "voxcone");
     app.set_version_flag("--version", "voxcone " VOXCONE_VERSION);
     app.require_subcommand(1);
     app.footer(

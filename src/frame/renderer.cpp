@@ -411,6 +411,15 @@ bool Renderer::render(const Camera& worldCamera, const std::function<bool()>& st
     return impl_->render(worldCamera, nullptr, stop);
 }
 
+void Renderer::drawSurfaces(const Camera& worldCamera) {
+    Impl& r = *impl_;
+    gl::PassTimers unused(gl::TimerMode::finish);
+    // Before the first frame nothing has an origin; from then on voxels and surfaces share it.
+    if (r.forgotten) r.gpuScene.setOrigin(clipmapOrigin(r.layout, worldCamera.position));
+    r.gbuffer.draw(r.gpuScene, cameraView(worldCamera, r.gpuScene.origin(), r.gpuScene.bounds(), r.width, r.height),
+                   unused);
+}
+
 TemporalChange Renderer::renderAndCompare(const Camera& worldCamera) {
     TemporalChange change;
     impl_->render(worldCamera, &change, {});

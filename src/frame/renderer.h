@@ -102,6 +102,10 @@ class Renderer {
     /// surface points are gathered with the voxels of both. Without a frame before, nothing has.
     TemporalChange renderAndCompare(const Camera& worldCamera);
 
+    /// Draws the G-buffer alone, without voxels and light: its channels (albedo, normal, depth, position, emission) are
+    /// those that render() gives.
+    void drawSurfaces(const Camera& worldCamera);
+
     /// Reads a channel of the last frame back, linear float at output resolution; names as in capture/script.h.
     /// `cascade` is the colour of each surface's level, `seam` the step between two levels (frame/cascade_view.h).
     /// `beauty` is linear radiance scaled by the exposure, before the tone curve.

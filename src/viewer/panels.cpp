@@ -272,7 +272,7 @@ void drawSettingsPanel(Session& session) {
 // ---- Figures
 
 void drawFiguresPanel(Session& session) {
-    if (!session.picture) return dim("no picture yet");
+    if (!session.picture || session.picture->surfaces) return dim("no picture yet");
     const Picture& p = *session.picture;
     const Settings::Output& output = p.view.settings.output;
     const int n = p.finished ? output.supersample * output.supersample : 1;

@@ -118,6 +118,7 @@ void RenderThread::reloadShaders() {
         // The old renderer stays until the new one is known to compile.
         auto fresh = std::make_unique<Renderer>(context, loaded_->script.scene, built_, 0, shaders_);
         renderer_ = std::move(fresh);
+        fresh_ = true;
         divisor_ = 0;
         finished_ = false;
         tell("shaders compiled", false);
@@ -330,6 +331,7 @@ void RenderThread::load(gl::Context& context, const fs::path& file, const std::f
         std::make_unique<Renderer>(context, fresh->script.scene, settings, fresh->script.shots.front().start, shaders_);
     // Both are good: from here on nothing fails.
     renderer_ = std::move(renderer);
+    fresh_ = true;
     loaded_ = std::move(fresh);
     built_ = settings;
     pixelCost_ = 0;
@@ -400,6 +402,7 @@ void RenderThread::prepareRenderer(gl::Context& context, const View& view) {
     renderer_.reset();
     built_ = view.settings;
     pixelCost_ = 0;
+    fresh_ = true;
     renderer_ = std::make_unique<Renderer>(context, loaded_->script.scene, view.settings, view.time, shaders_);
 }
 
@@ -430,11 +433,13 @@ void RenderThread::stage(gl::Context& context, const View& view, std::uint64_t s
         output.height = (output.height + divisor - 1) / divisor;
         output.supersample = 1;
     }
-    renderer_->setOutput(output);
     renderer_->setClipmapEye(view.clipmapEye);
     renderer_->setVoxelView(view.voxels);
     renderer_->setTime(view.time);
-    setActivity(finished_ ? "rendering" : fmt::format("rendering 1/{}", divisor));
+    if (fresh_ && context.info().softwareRasterizer && !quick) publishSurfaces(view, serial);
+    renderer_->setOutput(output);
+    setActivity(fresh_ ? "voxels and light" : finished_ ? "rendering" : fmt::format("rendering 1/{}", divisor));
+    fresh_ = false;
     // The first stage is finished whatever comes, so that there is always a next picture while the view moves.
     const auto stop = [this, serial, first] { return quitting_ || (!first && (latest_ != serial || ordered_)); };
     if (quick) {
@@ -453,6 +458,29 @@ void RenderThread::stage(gl::Context& context, const View& view, std::uint64_t s
     const double pixels = static_cast<double>(output.width) * output.height * output.supersample * output.supersample;
     pixelCost_ = std::max(perPixel, 1e-3) / pixels;
     publish(view, serial, finished_, start);
+}
+
+/// A software rasteriser gathers light for many seconds: the surfaces say meanwhile what was opened.
+void RenderThread::publishSurfaces(const View& view, std::uint64_t serial) {
+    setActivity("surfaces");
+    Settings::Output output = view.settings.output;
+    output.supersample = 1;
+    renderer_->setOutput(output);
+    renderer_->drawSurfaces(view.camera);
+    auto picture = std::make_shared<Picture>();
+    picture->texture = presenter_->encode(pictureOf("albedo", renderer_->channel("albedo"), view.settings), true);
+    picture->view = view;
+    picture->serial = serial;
+    picture->surfaces = true;
+    picture->clipmap.layout.levels = 0;
+    picture->position = renderer_->channel("position");
+    picture->levels = renderer_->levels();
+    picture->leftOut = renderer_->leftOut();
+    {
+        const std::scoped_lock lock(mutex_);
+        picture_ = std::move(picture);
+    }
+    wake_();
 }
 
 void RenderThread::publish(const View& view, std::uint64_t serial, bool finished, Clock::time_point start) {

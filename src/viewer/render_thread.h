@@ -61,6 +61,7 @@ struct Picture {
     std::uint64_t serial = 0;  ///< of the view: RenderThread::show
     int divisor = 1;           ///< the finished picture's size over that of this one
     bool finished = false;     ///< exactly what a capture of the view gives
+    bool surfaces = false;     ///< albedo alone, until there is light
     FrameStats stats;
     ClipmapState clipmap;
     std::vector<Renderer::Level> levels;
@@ -138,6 +139,7 @@ class RenderThread {
     void prepareRenderer(gl::Context& context, const View& view);
     void stage(gl::Context& context, const View& view, std::uint64_t serial);
     void publish(const View& view, std::uint64_t serial, bool finished, Clock::time_point start);
+    void publishSurfaces(const View& view, std::uint64_t serial);
     void publishFacts(gl::Context& context, bool opened);
     int firstDivisor(const Settings::Output& output, const gl::Context& context) const;
     void setActivity(const std::string& text);
@@ -174,6 +176,7 @@ class RenderThread {
     std::uint64_t shown_ = 0;  ///< view that is being refined
     int divisor_ = 0;          ///< of its last stage; 0 before the first
     bool finished_ = false;
+    bool fresh_ = true;     ///< the renderer has no voxels yet
     double pixelCost_ = 0;  ///< milliseconds a pixel, of the passes that each pixel has
     std::unique_ptr<class Presenter> presenter_;
 

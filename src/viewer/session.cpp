@@ -620,7 +620,7 @@ View Session::view() const {
 void Session::takePicture(const std::shared_ptr<const Picture>& next) {
     if (!next || next == picture) return;
     picture = next;
-    if (picture->view.scene != sceneSerial) return;
+    if (picture->view.scene != sceneSerial || picture->surfaces) return;
     history.add(*picture);
     const ClipmapState& clipmap = picture->clipmap;
     if (levelShown.size() != static_cast<std::size_t>(clipmap.layout.levels))

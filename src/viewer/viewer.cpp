@@ -755,6 +755,7 @@ void Viewer::drawStatus() {
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoBringToFrontOnFocus);
     std::string line = session_.shownChannel();
+    if (session_.picture && session_.picture->surfaces) line += " (albedo until there is light)";
     if (session_.frozen()) line += ", frozen";
     if (session_.recording) line += ", recording";
     const std::string activity = thread_.activity();

@@ -436,6 +436,7 @@ void drawSlice(Session& session) {
         if (axis > 0) ImGui::SameLine();
         ask |= ImGui::RadioButton(kAxes[static_cast<std::size_t>(axis)], &session.sliceAxis, axis);
     }
+    if (!session.slice && !session.slicePending()) session.sliceDepth = last / 2;
     session.sliceDepth = std::clamp(session.sliceDepth, 0, last);
     ask |= ImGui::SliderInt("depth", &session.sliceDepth, 0, last);
     if (ask && !session.slicePending()) session.askSlice();
@@ -488,11 +489,11 @@ void drawSlice(Session& session) {
 
 void drawVoxelPanel(Session& session) {
     constexpr std::array kViews = {"voxel_albedo", "voxel_normal", "voxel_radiance", "voxel_opacity"};
-    for (const char* name : kViews) {
-        if (ImGui::RadioButton(name + 6, session.channel == name)) session.channel = name;
-        ImGui::SameLine();
-    }
     if (ImGui::RadioButton("off", !session.channel.starts_with("voxel_"))) session.channel = "beauty";
+    for (const char* name : kViews) {
+        ImGui::SameLine();
+        if (ImGui::RadioButton(name + 6, session.channel == name)) session.channel = name;
+    }
     const int count = session.picture ? std::max(session.picture->clipmap.layout.count(), 1) : 1;
     ImGui::SliderInt("level", &session.level, -1, count - 1,
                      session.level < 0                                                            ? "as cones read"

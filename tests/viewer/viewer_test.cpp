@@ -653,6 +653,7 @@ TEST_F(ViewerTest, HeldPicturesAreCompared) {
     quick.output.exposure = 0;
     quick.reference.samples = 8;
     session().settings.change(quick, "quick");
+    ASSERT_TRUE(settle());
     session().holdReference();
     ASSERT_TRUE(turnUntil([&] { return session().held.has_value() && session().difference.has_value(); }));
     EXPECT_GT(session().difference->first.rmse, 0);

@@ -88,7 +88,7 @@ class ViewerTest : public testing::Test {
     Viewer& viewer() { return *shared(); }
     Session& session() { return viewer().session(); }
 
-    bool turnUntil(const std::function<bool()>& done, double seconds = 60) {
+    bool turnUntil(const std::function<bool()>& done, double seconds = 120) {
         const auto end = Clock::now() + std::chrono::duration<double>(seconds);
         while (!done()) {
             if (Clock::now() > end) return false;

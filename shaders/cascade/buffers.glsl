@@ -17,6 +17,7 @@
 #define LIT_STORAGE 2
 #define GATHERED_STORAGE 4
 #define TRACED_STORAGE 7    // coverage that the near field of cones meets, or with leaves b_matter
+#define SAMPLE_STORAGE 4    // places that cones looked at, while counting them
 #define BOUNCED_STORAGE 2   // coverage of the faces that gather
 
 // In the order of VoxelCounters.

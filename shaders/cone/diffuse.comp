@@ -50,5 +50,6 @@ void main() {
                                   result.openness);
         }
     }
+    storeSamples();
     imageStore(u_gathered, pixel, sum);
 }

@@ -66,18 +66,21 @@ void meetFace(uint slot, int f, uvec2 coverages, vec3 o, vec3 d, vec3 ownNormal,
     uint index = slot * 6u + uint(f);
     FaceRecord face = b_faces[index];
     vec3 n = unpackOctahedral(face.normal), p = unpackPosition(face.position);
-    float against = -dot(n, d), height = dot(n, o - p);
-    // Behind the surface, or on it: the plane that the cone leaves. One that meets it at an angle begins at the edge. Mean
-    // positions are uncertain by a hundredth of a voxel.
-    bool parallel = abs(dot(n, ownNormal)) > 0.7;
-    if (against < 1e-3 || height < (parallel ? 0.02 : -0.02)) return;
+    float against = -dot(n, d), height = dot(n, o - p), facing = dot(n, ownNormal), rise = dot(ownNormal, p - o);
+    // Behind the surface, or on it: the plane that the cone leaves, and what lies on that. One that meets it at an angle
+    // begins at the edge. Mean positions are uncertain by a hundredth of a voxel.
+    if (against < 1e-3 || height < (facing > 0.7 ? 0.02 : (facing < -0.7 ? 0.1 : -0.02))) return;
+    // Beyond a convex edge.
+    if (height < 0.0 && rise < -0.01) return;
     // So crossings that close to a voxel's border count on both sides.
     float t = max(height, 0.0) / against, slack = min(0.01 / against, 0.1);
     if (t < range.x - slack || t > range.y + slack) return;
-    // Where a body ends in an edge, a face may hold the mean of two sides, which rises over either; but it lies below.
-    if (t < 2.0 && dot(n, ownNormal) > 0.2 && dot(ownNormal, p - o) < -0.01) return;
-    // A sheet that bends inside the voxel would be met by cones that leave its other side.
-    if (height < 0.5 && dot(n, ownNormal) < -0.7 && faceCoverage(coverages, f ^ 1) > 0.0 &&
+    // What lies below the surface that the cone leaves is not met above it, though its plane may rise over that: the other
+    // side of an edge, or of a fold of the sheet; what stands upright may also go through the surface. A sheet that bends
+    // inside the voxel would be met by cones that leave its other side.
+    bool below = t < 2.0 && rise < -0.01;
+    if (below && facing > 0.2) return;
+    if ((below && facing < -0.2 || height < 0.5 && facing < -0.7) && faceCoverage(coverages, f ^ 1) > 0.0 &&
         distance(p, unpackPosition(b_faces[index ^ 1u].position)) < 0.02)
         return;
     // Surfaces that meet in an edge overlap a little, so that nothing passes between; most where a gap would be wide.
@@ -115,6 +118,8 @@ void nearFieldAt(Cone cone, int level, float weight, float near, float reach, in
     float t = 0.0;
     for (int k = 0; k < 256 && t < end; ++k) {
         if (level >= u_firstFixed && any(notEqual(i & ~mask, ivec3(0)))) break;
+        COUNT(0);
+        COUNT(1);
         vec2 inside = vec2(t, min(next.x, min(next.y, next.z)));
         ivec3 texel = origin + (i & mask);
         NearHit hit = NearHit(0.0, 0.0, 0u);

@@ -153,5 +153,6 @@ void main() {
         if (maxComponent(s.scattered) > 0.0) radiance += scatteredThrough(s);
 #endif
     }
+    storeSamples();
     imageStore(u_transmission, pixel, vec4(radiance, 1.0));
 }

@@ -72,5 +72,6 @@ void main() {
         }
 #endif
     }
+    storeSamples();
     imageStore(u_gathered, pixel, sum);
 }

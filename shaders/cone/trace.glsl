@@ -1,5 +1,5 @@
 // Cones through the voxels. Needs the defines SIX_FACE, SH1, COMPOSITING_{LINEAR,EXPONENTIAL,ALPHA}, START_NORMAL, FOOTPRINT_CAP,
-// AO_DISTANCE, NEAR_FIELD, CASCADES (more than one level), LAYERS and LEAVES.
+// AO_DISTANCE, NEAR_FIELD, CASCADES (more than one level), LAYERS, LEAVES and COUNT_SAMPLES.
 //
 // All lengths are in voxels of level 0, and positions are relative to the lattice's origin. A place is read at level
 // max(log2 footprint, containment level), where a fraction blends two levels as densities per length.
@@ -40,6 +40,24 @@ layout(std430, binding = RADIANCE_STORAGE) readonly buffer Radiance { uvec2 b_ra
 // result so far, whose radiance is not yet scaled. For cone/inspect.comp.
 #ifndef RECORD
 #define RECORD(t, length, lod, result)
+#endif
+
+#if COUNT_SAMPLES
+// What the cones of all pixels did, each as low and high word: places that they looked at, which are voxels of their near
+// fields and steps beyond; of these the near fields' voxels; levels looked up in the coverage volumes; levels of radiance.
+layout(std430, binding = SAMPLE_STORAGE) buffer Samples { uvec2 b_samples[4]; };
+uint g_counts[4] = uint[](0u, 0u, 0u, 0u);
+#define COUNT(what) ++g_counts[what]
+/// Once a pixel, at its end.
+void storeSamples() {
+    for (int i = 0; i < 4; ++i) {
+        uint before = atomicAdd(b_samples[i].x, g_counts[i]);
+        if (before + g_counts[i] < before) atomicAdd(b_samples[i].y, 1u);
+    }
+}
+#else
+#define COUNT(what)
+void storeSamples() {}
 #endif
 
 struct Cone {
@@ -142,6 +160,7 @@ void densitiesAt(vec3 x, float lod, out vec3 positive, out vec3 negative) {
     int level = int(lod);
     float next = lod - float(level);
     vec3 at = coverageCoordinates(x, level, texels);
+    COUNT(2);
     float scale = densityScale(level) * (1.0 - next);
     positive = scale * textureLod(u_coveragePositive, at, 0.0).rgb;
 #if SIX_FACE
@@ -151,6 +170,7 @@ void densitiesAt(vec3 x, float lod, out vec3 positive, out vec3 negative) {
 #endif
     if (next > 0.0) {
         at = coverageCoordinates(x, level + 1, texels);
+        COUNT(2);
         scale = densityScale(level + 1) * next;
         positive += scale * textureLod(u_coveragePositive, at, 0.0).rgb;
 #if SIX_FACE
@@ -205,6 +225,7 @@ void addVoxel(ivec3 i, int level, ivec3 origin, int face, vec3 d, float weight, 
 /// The same of the eight voxels around `x` at one level, as trilinear filtering weights them. Written out: as a loop inside
 /// those over steps and cones it would use up the iterations that drivers run (see traceConeTo).
 void addLevel(vec3 x, int level, int face, vec3 d, float weight, inout vec4 sum) {
+    COUNT(3);
     vec3 p = x * exp2(-float(level)) - 0.5;
     vec3 low = floor(p), f = p - low, g = 1.0 - f;
     ivec3 first = ivec3(low), origin = levelOrigin(level, 0);
@@ -300,6 +321,7 @@ ConeResult traceConeTo(Cone cone, float reach) {
     float from = t;
     int done = 0;  // steps of level 0 marched
     for (int i = 0; i < 4096 && t < end; ++i) {
+        COUNT(0);
         float lod = levelAt(cone, o, offset, t);
 #if START_NORMAL
         // The step is that of the whole level below, and begins at a multiple of itself: where a level begins, which moves

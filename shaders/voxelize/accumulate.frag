@@ -108,9 +108,20 @@ void addToFace(uint record, int face, float weight, Surfel surfel) {
 #if EMISSION
         uint e = dithered(weight * surfel.emission[i] * u_emissionUnit);
         if (e == 0u) continue;
-        uint old = atomicAdd(b_sums[base + 10u + 2u * i], e);
-        if (old + e < old) atomicAdd(b_sums[base + 11u + 2u * i], 1u);
+        uint old = atomicAdd(b_sums[base + uint(kEmissionWord) + 2u * i], e);
+        if (old + e < old) atomicAdd(b_sums[base + uint(kEmissionWord) + 1u + 2u * i], 1u);
 #endif
+    }
+}
+
+void addToPlane(uint record, int face, float weight, Surfel surfel) {
+    uint word = record * uint(kRecordWords) + uint(face * kFaceWords + kPlaneWord);
+    uint w = dithered(weight * kUnit);
+    if (w == 0u || b_sums[word] >= kSaturated) return;
+    atomicAdd(b_sums[word], w);
+    for (uint i = 0u; i < 3u; ++i) {
+        atomicAdd(b_sums[word + 1u + i], dithered(float(w) * 0.5 * (surfel.normal[i] + 1.0)));
+        atomicAdd(b_sums[word + 4u + i], dithered(float(w) * clamp(surfel.position[i], 0.0, 1.0)));
     }
 }
 #endif
@@ -190,6 +201,15 @@ void main() {
                 float weight = coverage[a] * opacity;
                 if (weight > 0.0) addToFace(record, 2 * a + int(sign_ * frontNormal[a] < 0.0), weight, surfel);
             }
+#if !COMPARE_AND_SWAP
+            uint next = g_dither;
+            g_dither = ~next;
+            for (int a = 0; a < 3; ++a) {
+                float weight = coverage[a] * opacity * planeWeight(frontNormal[a]);
+                if (weight > 0.0) addToPlane(record, 2 * a + int(sign_ * frontNormal[a] < 0.0), weight, surfel);
+            }
+            g_dither = next;
+#endif
         }
     }
 }

@@ -23,6 +23,8 @@ Command captureCommand(CLI::App& app);
 Command referenceCommand(CLI::App& app);
 Command compareCommand(CLI::App& app);
 Command infoCommand(CLI::App& app);
+Command reportCommand(CLI::App& app);
+Command tuneCommand(CLI::App& app);
 Command viewCommand(CLI::App& app);
 
 /// What `capture`, `reference` and `info` are given: a script or scene and changes to its settings.
@@ -35,6 +37,9 @@ struct ScriptOptions {
 
     /// Reads the script, then applies the assignments in the order given.
     CaptureScript load() const;
+
+    /// The same without the lights that settings extract.
+    CaptureScript loadAsWritten() const;
 };
 
 }  // namespace voxcone

@@ -99,11 +99,7 @@ Comparison compareFiles(const std::string& name, const fs::path& referenceFile, 
 
     const LinearError linear = linearError(reference, test);
     out.epsilon = linear.epsilon;
-    out.metrics = {{"relmse", linear.relMse},
-                   {"rmse", linear.rmse},
-                   {"bias", linear.bias},
-                   {"relative_bias", linear.relativeBias},
-                   {"p99", linear.p99}};
+    out.metrics = metricsByName(linear);
 
     const bool data = isData(testFile.filename().string());
     const bool display = isDisplayReferred(referenceFile) && isDisplayReferred(testFile);
@@ -127,9 +123,7 @@ Comparison compareFiles(const std::string& name, const fs::path& referenceFile, 
         } else if (heatmapFile) {
             errors = flip(r, t), fullScale = 1;
         }
-        const DisplayError shown = displayError(shownR, shownT);
-        out.metrics["flip"] = shown.flip, out.metrics["ssim"] = shown.ssim;
-        out.metrics["psnr"] = shown.psnr, out.metrics["grade"] = shown.grade;
+        out.metrics.merge(metricsByName(displayError(shownR, shownT)));
     }
     if (heatmapFile) writePng(*heatmapFile, heatmap(errors, fullScale));
     return out;

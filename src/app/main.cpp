@@ -22,10 +22,11 @@ int run(int argc, char** argv) {
     app.set_version_flag("--version", "voxcone " VOXCONE_VERSION);
     app.require_subcommand(1);
     app.footer(
-        "Exit status: 0 done, 1 a comparison over its bound, 2 wrong usage, 3 bad input, 4 no usable device.\n"
+        "Exit status: 0 done, 1 a comparison over its bound or nothing that meets one, 2 wrong usage, 3 bad input, 4 "
+        "no usable device.\n"
         "Results go to standard output, messages to standard error. `voxcone COMMAND --help` says more.");
     const Command commands[] = {captureCommand(app), referenceCommand(app), compareCommand(app), infoCommand(app),
-                                viewCommand(app)};
+                                reportCommand(app), tuneCommand(app), viewCommand(app)};
     const auto chosen = [&]() -> const Command* {
         for (const Command& command : commands) {
             if (command.parser->parsed()) return &command;
@@ -35,7 +36,7 @@ int run(int argc, char** argv) {
     const auto usage = [&] {
         const Command* command = chosen();
         return command != nullptr ? command->usage
-                                  : "voxcone capture|reference|compare|info|view … (see voxcone --help)";
+                                  : "voxcone capture|reference|compare|info|report|tune|view … (see voxcone --help)";
     };
     try {
         app.parse(argc, argv);

@@ -19,11 +19,16 @@ void ScriptOptions::addTo(CLI::App& parser, bool fileRequired) {
 }
 
 CaptureScript ScriptOptions::load() const {
+    CaptureScript script = loadAsWritten();
+    extractLights(script.scene, script.settings.light);
+    return script;
+}
+
+CaptureScript ScriptOptions::loadAsWritten() const {
     Settings probe;  // a wrong assignment is told before a large scene is read
     for (const std::string& assignment : assignments) applyAssignment(probe, assignment);
     CaptureScript script = loadCaptureScript(file);
     for (const std::string& assignment : assignments) applyAssignment(script.settings, assignment);
-    extractLights(script.scene, script.settings.light);
     return script;
 }
 

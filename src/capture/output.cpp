@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/atomic_file.h"
+#include "frame/tone_curve.h"
 #include "metric/heatmap.h"
 
 namespace voxcone {
@@ -79,6 +80,15 @@ Image pictureOf(const std::string& name, const Image& image, const Settings& set
     } else if (channel != "albedo" && channel != "voxel_albedo" && channel != "cascade") {
         const auto exposure = static_cast<float>(std::exp2(settings.output.exposure));
         for (float& v : out.data) v = std::clamp(exposure * v, 0.0f, 1.0f);
+    }
+    return out;
+}
+
+Image displayOf(const Image& radiance, ToneMap curve) {
+    Image out = radiance;
+    for (std::size_t i = 0; i + 2 < out.data.size(); i += 3) {
+        const glm::vec3 shown = toneCurve(curve, {out.data[i], out.data[i + 1], out.data[i + 2]});
+        out.data[i] = shown.x, out.data[i + 1] = shown.y, out.data[i + 2] = shown.z;
     }
     return out;
 }

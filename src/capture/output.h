@@ -37,6 +37,9 @@ class ShotWriter {
 /// map that ends at 0.1. `beauty` has the tone curve instead.
 Image pictureOf(const std::string& channel, const Image& image, const Settings& settings);
 
+/// Radiance, exposed already, through the tone curve: linear display-referred.
+Image displayOf(const Image& radiance, ToneMap curve);
+
 /// What every stats.json has: program and `command`, scene, shot, settings.
 nlohmann::json statsHead(const char* command, const CaptureScript& script, const Shot& shot);
 

@@ -8,7 +8,6 @@
 #include "capture/output.h"
 #include "core/log.h"
 #include "core/progress.h"
-#include "frame/tone_curve.h"
 #include "reference/path_tracer.h"
 
 namespace voxcone {
@@ -33,16 +32,6 @@ const Image* referenceChannel(const ReferenceImages& images, const std::string& 
                                                      {"position", &images.position}};
     const auto found = all.find(name);
     return found == all.end() ? nullptr : found->second;
-}
-
-/// Linear display-referred; `radiance` is exposed already.
-Image displayOf(const Image& radiance, ToneMap curve) {
-    Image out = radiance;
-    for (std::size_t i = 0; i + 2 < out.data.size(); i += 3) {
-        const glm::vec3 shown = toneCurve(curve, {out.data[i], out.data[i + 1], out.data[i + 2]});
-        out.data[i] = shown.x, out.data[i + 1] = shown.y, out.data[i + 2] = shown.z;
-    }
-    return out;
 }
 
 }  // namespace

@@ -225,7 +225,7 @@ Shot readShot(JsonObject object, const Scene& scene) {
     return shot;
 }
 
-CaptureScript readScript(const fs::path& file) {
+CaptureScript readScript(const fs::path& file, const fs::path& otherScene) {
     const json tree = parseStrictly(readTextFile(file), file.string());
     JsonObject object(tree, file.string(), "");
     object.require("version");
@@ -238,6 +238,7 @@ CaptureScript readScript(const fs::path& file) {
         applyJson(script.settings, *settings, file.string(), "settings");
     fs::path scene = object.string("scene");
     if (scene.is_relative()) scene = file.parent_path() / scene;
+    if (!otherScene.empty()) scene = otherScene;
     if (!fs::exists(scene)) object.fail("scene", fmt::format("no such file: {}", scene.string()));
     const json* environment = object.find("environment");
     const json* lights = object.find("lights");
@@ -340,13 +341,13 @@ Camera cameraAt(const Shot& shot, const Scene& scene, double time) {
     return worldCamera(camera, scene.worldMatrices(time));
 }
 
-CaptureScript loadCaptureScript(const fs::path& file) {
+CaptureScript loadCaptureScript(const fs::path& file, const fs::path& scene) {
     std::string extension = file.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return std::tolower(c); });
     if (!fs::exists(file)) throw InputError(file.string(), "", "no such file");
-    if (extension == ".json") return readScript(file);
-    if (extension == ".gltf" || extension == ".glb") return scriptForScene(file);
+    if (extension == ".json") return readScript(file, scene);
+    if (extension == ".gltf" || extension == ".glb") return scriptForScene(scene.empty() ? file : scene);
     throw InputError(file.string(), "", "is neither a capture script (.json) nor a scene (.gltf, .glb)");
 }
 

@@ -57,7 +57,8 @@ struct CaptureScript {
 
 /// Loads a script (.json), or a scene (.gltf, .glb) with one default shot: its first camera, or one that sees all of
 /// it, and its lights, or a sun and sky when it has neither lights nor emitters. Every key is checked: unknown keys,
-/// wrong types and values out of range are InputErrors with file and JSON path.
-CaptureScript loadCaptureScript(const std::filesystem::path& file);
+/// wrong types and values out of range are InputErrors with file and JSON path. `scene`, where not empty, is taken
+/// instead of the one that a script names.
+CaptureScript loadCaptureScript(const std::filesystem::path& file, const std::filesystem::path& scene = {});
 
 }  // namespace voxcone

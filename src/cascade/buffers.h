@@ -26,8 +26,12 @@ enum VoxelStorageBlock : int {
     kLitStorage = 2,
     kGatheredStorage = 4,
     kTracedStorage = 7,   // coverage that the near field of cones meets, or with leaves Voxels::matter
+    kSampleStorage = 4,   // places that cones looked at, while counting them
     kBouncedStorage = 2,  // coverage of the faces that gather
 };
+
+/// Of the block of samples: shaders/cone/trace.glsl.
+constexpr int kSampleWords = 8;
 
 struct VoxelCounters {
     std::uint32_t fresh = 0;             ///< voxels that got a record in this update

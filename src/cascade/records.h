@@ -17,7 +17,7 @@ struct FaceRecord {
 
 /// Words of a face's sums.
 constexpr int faceWords(bool compareAndSwap, bool emission, bool leaves) {
-    return compareAndSwap ? 4 : 10 + (emission ? 6 : 0) + (leaves ? 2 : 0);
+    return compareAndSwap ? 4 : 17 + (emission ? 6 : 0) + (leaves ? 2 : 0);
 }
 
 inline std::uint32_t packAlbedo(const glm::vec3& a) {

@@ -30,6 +30,7 @@ gl::Defines coneDefines(const Settings& settings, const Voxels& voxels, const Sk
         {"FOOTPRINT_CAP", is(cone.footprintCap > 0)},
         {"NEAR_FIELD", is(nearField(settings, voxels))},
         {"AO_DISTANCE", is(settings.ao.distance > 0)},
+        {"COUNT_SAMPLES", "0"},
         {"SKY", std::to_string(sky.kind())},
     };
 }

@@ -12,6 +12,8 @@ namespace {
 constexpr int kConeUnit = gl::kPassTextureUnit, kGBufferUnit = kConeUnit + kConeUnits, kOwnUnit = gl::kEnvironmentUnit;
 constexpr int kOutputImage = 0;
 constexpr int kShadowCones = 16;
+// Roughness 0.14: voxels do not resolve smoother lobes (docs/accuracy.md).
+constexpr float kSmoothAlpha = 0.02f;
 
 gl::Defines merged(gl::Defines a, const gl::Defines& b) {
     a.insert(b.begin(), b.end());
@@ -44,13 +46,32 @@ float inverseVoxelSize(const RadianceVolume& volume) {
     return static_cast<float>(1 / volume.voxels->layout.voxelSize);
 }
 
+gl::Defines diffuseDefines(const Settings& settings, const Voxels& voxels, const Sky& sky,
+                           const gl::Defines& gbufferDefines) {
+    gl::Defines defines = merged(coneSetDefines(settings, voxels, sky, settings.cone.diffuse), gbufferDefines);
+    defines["ROTATE"] = settings.cone.rotate ? "1" : "0";
+    return defines;
+}
+
+gl::Defines specularDefines(const Settings& settings, const Voxels& voxels, const Sky& sky,
+                            const gl::Defines& gbufferDefines) {
+    const bool ggx = settings.specular.aperture == SpecularAperture::ggx;
+    gl::Defines defines = merged(coneDefines(settings, voxels, sky), gbufferDefines);
+    defines["APERTURE_GGX"] = ggx ? "1" : "0";
+    defines["CONES"] = std::to_string(ggx ? settings.specular.cones : 1);
+    defines["SPIRAL"] = "1";
+    defines["ROTATE"] = settings.cone.rotate ? "1" : "0";
+    defines["AO_DISTANCE"] = "0";
+    return defines;
+}
+
 }  // namespace
 
 DiffusePass::DiffusePass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels,
                          const Sky& sky, const gl::Defines& gbufferDefines, int width, int height)
-    : settings_(settings) {
-    gl::Defines defines = merged(coneSetDefines(settings, voxels, sky, settings.cone.diffuse), gbufferDefines);
-    defines["ROTATE"] = settings.cone.rotate ? "1" : "0";
+    : settings_(settings),
+      samples_(shaders, "cone/diffuse.comp", diffuseDefines(settings, voxels, sky, gbufferDefines)) {
+    gl::Defines defines = diffuseDefines(settings, voxels, sky, gbufferDefines);
     gather_ = shaders.compute("cone/diffuse.comp", defines);
     gl::Defines filterDefines = gbufferDefines;
     filterDefines["ROTATE"] = defines["ROTATE"];
@@ -64,17 +85,27 @@ void DiffusePass::resize(int width, int height) {
     diffuse_ = gl::Texture::create2D(GL_RGBA32F, width, height);
 }
 
+void DiffusePass::gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky,
+                         const BindGBuffer& bindGBuffer, SeamSide side, const Stop& stop) {
+    setConeUniforms(program, settings_, sky, volume, settings_.cone.step, kConeUnit);
+    setConeSetUniforms(program, settings_.cone.diffuse);
+    setContainmentUniforms(program, *volume.voxels, side == SeamSide::blended);
+    program.set("u_coarserSide", side == SeamSide::coarser);
+    program.set("u_inverseVoxelSize", inverseVoxelSize(volume));
+    bindGBuffer(program, kGBufferUnit);
+    dispatchBands(program, gathered_, "u_gathered", GL_RGBA32F, stop);
+}
+
+std::uint64_t DiffusePass::countSamples(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer) {
+    return samples_.count(
+        [&](gl::Program& program) { gather(program, volume, sky, bindGBuffer, SeamSide::blended, {}); });
+}
+
 void DiffusePass::run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
                       gl::PassTimers& timers, SeamSide side, const Stop& stop) {
     {
         const auto pass = timers.pass("cones: diffuse");
-        setConeUniforms(gather_, settings_, sky, volume, settings_.cone.step, kConeUnit);
-        setConeSetUniforms(gather_, settings_.cone.diffuse);
-        setContainmentUniforms(gather_, *volume.voxels, side == SeamSide::blended);
-        gather_.set("u_coarserSide", side == SeamSide::coarser);
-        gather_.set("u_inverseVoxelSize", inverseVoxelSize(volume));
-        bindGBuffer(gather_, kGBufferUnit);
-        dispatchBands(gather_, gathered_, "u_gathered", GL_RGBA32F, stop);
+        gather(gather_, volume, sky, bindGBuffer, side, stop);
     }
     if (stop && stop()) return;
     const auto pass = timers.pass("cones: filter");
@@ -89,14 +120,10 @@ void DiffusePass::run(const RadianceVolume& volume, const Sky& sky, const BindGB
 SpecularPass::SpecularPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels,
                            const Sky& sky, const gl::Defines& gbufferDefines, const gl::Texture& specularAlbedo,
                            int width, int height)
-    : settings_(settings), specularAlbedo_(specularAlbedo) {
-    const bool ggx = settings.specular.aperture == SpecularAperture::ggx;
-    gl::Defines defines = merged(coneDefines(settings, voxels, sky), gbufferDefines);
-    defines["APERTURE_GGX"] = ggx ? "1" : "0";
-    defines["CONES"] = std::to_string(ggx ? settings.specular.cones : 1);
-    defines["SPIRAL"] = "1";
-    defines["ROTATE"] = settings.cone.rotate ? "1" : "0";
-    defines["AO_DISTANCE"] = "0";
+    : settings_(settings),
+      specularAlbedo_(specularAlbedo),
+      samples_(shaders, "cone/specular.comp", specularDefines(settings, voxels, sky, gbufferDefines)) {
+    gl::Defines defines = specularDefines(settings, voxels, sky, gbufferDefines);
     gather_ = shaders.compute("cone/specular.comp", defines);
     gl::Defines filterDefines = gbufferDefines;
     for (const char* name : {"CONES", "ROTATE", "CASCADES"}) filterDefines[name] = defines[name];
@@ -109,19 +136,26 @@ void SpecularPass::resize(int width, int height) {
     specular_ = gl::Texture::create2D(GL_RGBA32F, width, height);
 }
 
+void SpecularPass::gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky,
+                          const BindGBuffer& bindGBuffer, const Stop& stop) {
+    setConeUniforms(program, settings_, sky, volume, settings_.specular.step, kConeUnit);
+    // Few of the cones of a lobe run along the surface, as those at the rim of a diffuse set do.
+    program.set("u_footprintCap", 0.5 * settings_.cone.footprintCap);
+    program.set("u_inverseVoxelSize", inverseVoxelSize(volume));
+    program.set("u_smoothAlpha", kSmoothAlpha);
+    bindGBuffer(program, kGBufferUnit);
+    dispatchBands(program, gathered_, "u_gathered", GL_RGBA32F, stop);
+}
+
+std::uint64_t SpecularPass::countSamples(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer) {
+    return samples_.count([&](gl::Program& program) { gather(program, volume, sky, bindGBuffer, {}); });
+}
+
 void SpecularPass::run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
                        gl::PassTimers& timers, const Stop& stop) {
-    // Roughness 0.14: voxels do not resolve smoother lobes (docs/accuracy.md).
-    constexpr float kSmoothAlpha = 0.02f;
     {
         const auto pass = timers.pass("cones: specular");
-        setConeUniforms(gather_, settings_, sky, volume, settings_.specular.step, kConeUnit);
-        // Few of the cones of a lobe run along the surface, as those at the rim of a diffuse set do.
-        gather_.set("u_footprintCap", 0.5 * settings_.cone.footprintCap);
-        gather_.set("u_inverseVoxelSize", inverseVoxelSize(volume));
-        gather_.set("u_smoothAlpha", kSmoothAlpha);
-        bindGBuffer(gather_, kGBufferUnit);
-        dispatchBands(gather_, gathered_, "u_gathered", GL_RGBA32F, stop);
+        gather(gather_, volume, sky, bindGBuffer, stop);
     }
     if (stop && stop()) return;
     const auto pass = timers.pass("cones: specular filter");

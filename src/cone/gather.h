@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "cone/cone_uniforms.h"
+#include "cone/sample_counter.h"
 #include "gl/pass_timers.h"
 
 namespace voxcone {
@@ -31,12 +32,19 @@ class DiffusePass {
     /// Another size of the G-buffer.
     void resize(int width, int height);
 
+    /// Places that the cones of `run` look at: sample_counter.h.
+    std::uint64_t countSamples(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer);
+
     /// RGBA32F: indirect diffuse radiance towards the eye, W/(m² sr), and openness (1 on the background).
     const gl::Texture& texture() const { return diffuse_; }
     std::uint64_t bytes() const { return gathered_.bytes() + diffuse_.bytes(); }
 
   private:
+    void gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
+                SeamSide side, const Stop& stop);
+
     Settings settings_;
+    SampleCounter samples_;
     gl::Program gather_, filter_;
     gl::Texture gathered_, diffuse_;
 };
@@ -54,13 +62,20 @@ class SpecularPass {
     /// Another size of the G-buffer.
     void resize(int width, int height);
 
+    /// Places that the cones of `run` look at: sample_counter.h.
+    std::uint64_t countSamples(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer);
+
     /// RGBA32F: indirect specular radiance towards the eye, W/(m² sr).
     const gl::Texture& texture() const { return specular_; }
     std::uint64_t bytes() const { return gathered_.bytes() + specular_.bytes(); }
 
   private:
+    void gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
+                const Stop& stop);
+
     Settings settings_;
     const gl::Texture& specularAlbedo_;
+    SampleCounter samples_;
     gl::Program gather_, filter_;
     gl::Texture gathered_, specular_;
 };

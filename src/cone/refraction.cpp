@@ -6,10 +6,10 @@
 
 namespace voxcone {
 
-RefractionPass::RefractionPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Scene& scene,
-                               const Voxels& voxels, const Sky& sky, const gl::Defines& gbufferDefines,
-                               const gl::Texture& specularAlbedo, int width, int height)
-    : settings_(settings), specularAlbedo_(specularAlbedo) {
+namespace {
+
+gl::Defines refractionDefines(const Settings& settings, const Scene& scene, const Voxels& voxels, const Sky& sky,
+                              const gl::Defines& gbufferDefines) {
     const auto any = [&](auto&& test) {
         return std::any_of(scene.materials.begin(), scene.materials.end(), test) ? "1" : "0";
     };
@@ -18,7 +18,18 @@ RefractionPass::RefractionPass(const gl::ShaderLibrary& shaders, const Settings&
     defines["AO_DISTANCE"] = "0";
     defines["BEAMS"] = any([](const Material& m) { return m.transmission > 0; });
     defines["SCATTERING"] = any([](const Material& m) { return m.diffuseTransmission > 0; });
-    program_ = shaders.compute("cone/refraction.comp", defines);
+    return defines;
+}
+
+}  // namespace
+
+RefractionPass::RefractionPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Scene& scene,
+                               const Voxels& voxels, const Sky& sky, const gl::Defines& gbufferDefines,
+                               const gl::Texture& specularAlbedo, int width, int height)
+    : settings_(settings),
+      specularAlbedo_(specularAlbedo),
+      samples_(shaders, "cone/refraction.comp", refractionDefines(settings, scene, voxels, sky, gbufferDefines)) {
+    program_ = shaders.compute("cone/refraction.comp", refractionDefines(settings, scene, voxels, sky, gbufferDefines));
     resize(width, height);
 }
 
@@ -26,20 +37,30 @@ void RefractionPass::resize(int width, int height) {
     transmission_ = gl::Texture::create2D(GL_RGBA32F, width, height);
 }
 
+void RefractionPass::gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky,
+                            const BindGBuffer& bindGBuffer) {
+    constexpr int kTableUnit = gl::kEnvironmentUnit, kConeUnit = gl::kPassTextureUnit;
+    setConeUniforms(program, settings_, sky, volume, settings_.specular.step, kConeUnit);
+    setConeSetUniforms(program, settings_.cone.diffuse);
+    program.set("u_inverseVoxelSize", static_cast<float>(1 / volume.voxels->layout.voxelSize));
+    specularAlbedo_.bindTo(kTableUnit);
+    program.set("u_specularAlbedo", kTableUnit);
+    bindGBuffer(program, kConeUnit + kConeUnits);
+    transmission_.bindImage(0, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    program.set("u_transmission", 0);
+    gl::dispatch(program, gl::groupsFor(transmission_.width(), 8), gl::groupsFor(transmission_.height(), 8), 1);
+    gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+}
+
+std::uint64_t RefractionPass::countSamples(const RadianceVolume& volume, const Sky& sky,
+                                           const BindGBuffer& bindGBuffer) {
+    return samples_.count([&](gl::Program& program) { gather(program, volume, sky, bindGBuffer); });
+}
+
 void RefractionPass::run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
                          gl::PassTimers& timers) {
     const auto pass = timers.pass("cones: refraction");
-    constexpr int kTableUnit = gl::kEnvironmentUnit, kConeUnit = gl::kPassTextureUnit;
-    setConeUniforms(program_, settings_, sky, volume, settings_.specular.step, kConeUnit);
-    setConeSetUniforms(program_, settings_.cone.diffuse);
-    program_.set("u_inverseVoxelSize", static_cast<float>(1 / volume.voxels->layout.voxelSize));
-    specularAlbedo_.bindTo(kTableUnit);
-    program_.set("u_specularAlbedo", kTableUnit);
-    bindGBuffer(program_, kConeUnit + kConeUnits);
-    transmission_.bindImage(0, 0, GL_WRITE_ONLY, GL_RGBA32F);
-    program_.set("u_transmission", 0);
-    gl::dispatch(program_, gl::groupsFor(transmission_.width(), 8), gl::groupsFor(transmission_.height(), 8), 1);
-    gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+    gather(program_, volume, sky, bindGBuffer);
 }
 
 }  // namespace voxcone

@@ -20,6 +20,9 @@ class RefractionPass {
     /// Pass "cones: refraction".
     void run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer, gl::PassTimers& timers);
 
+    /// Places that the cones of `run` look at: sample_counter.h.
+    std::uint64_t countSamples(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer);
+
     /// Another size of the G-buffer.
     void resize(int width, int height);
 
@@ -27,8 +30,11 @@ class RefractionPass {
     const gl::Texture& texture() const { return transmission_; }
 
   private:
+    void gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer);
+
     Settings settings_;
     const gl::Texture& specularAlbedo_;
+    SampleCounter samples_;
     gl::Program program_;
     gl::Texture transmission_;
 };

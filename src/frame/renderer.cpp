@@ -226,6 +226,17 @@ struct Renderer::Impl {
             side);
     }
 
+    std::uint64_t coneSamples() {
+        if (!voxelizer) return 0;
+        gl::memoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+        const RadianceVolume volume = field->volume(voxels);
+        const auto bindGBuffer = [this](gl::Program& program, int unit) { gbuffer.bind(program, unit); };
+        std::uint64_t samples = diffuse->countSamples(volume, sky, bindGBuffer);
+        if (specular) samples += specular->countSamples(volume, sky, bindGBuffer);
+        if (refraction) samples += refraction->countSamples(volume, seenSky, bindGBuffer);
+        return samples;
+    }
+
     void collectStats() {
         timers.wait();
         stats = FrameStats{};
@@ -428,6 +439,10 @@ TemporalChange Renderer::renderAndCompare(const Camera& worldCamera) {
 
 std::vector<SeamStep> Renderer::seam() {
     return impl_->seam().steps;
+}
+
+std::uint64_t Renderer::coneSamples() {
+    return impl_->coneSamples();
 }
 
 std::vector<Renderer::Level> Renderer::levels() const {

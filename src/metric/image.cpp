@@ -1,5 +1,6 @@
 #include "metric/image.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
@@ -9,6 +10,7 @@
 #include <mutex>
 
 #include "core/atomic_file.h"
+#include "core/check.h"
 #include "core/error.h"
 
 namespace voxcone {
@@ -46,6 +48,24 @@ void write(const std::filesystem::path& file, const OIIO::ImageSpec& spec, OIIO:
     if (!out->open(atomic.temporaryPath().string(), spec) || !out->write_image(type, texels) || !out->close())
         throw InputError(file.string(), "", "cannot write: " + firstLine(out->geterror(), "unknown reason"));
     atomic.commit();
+}
+
+// sRGB-encoded; alpha as it is; pixels with a NaN magenta where there are colours.
+std::vector<std::uint8_t> srgbBytes(const Image& image) {
+    std::vector<std::uint8_t> bytes(image.data.size());
+    const auto channels = static_cast<std::size_t>(image.channels);
+    for (std::size_t i = 0; i < bytes.size(); i += channels) {
+        bool bad = false;
+        for (std::size_t c = 0; c < channels; ++c) {
+            const float value = image.data[i + c];
+            bad = bad || std::isnan(value);
+            const bool alpha = (channels == 2 && c == 1) || c == 3;
+            const float shown = alpha ? std::clamp(value, 0.0f, 1.0f) : srgbFromLinear(std::clamp(value, 0.0f, 1.0f));
+            bytes[i + c] = std::isnan(value) ? std::uint8_t{255} : static_cast<std::uint8_t>(std::lround(255 * shown));
+        }
+        if (bad && channels >= 3) bytes[i] = 255, bytes[i + 1] = 0, bytes[i + 2] = 255;
+    }
+    return bytes;
 }
 
 }  // namespace
@@ -89,21 +109,20 @@ void writeExr(const std::filesystem::path& file, const Image& image) {
 }
 
 void writePng(const std::filesystem::path& file, const Image& image) {
-    const OIIO::ImageSpec spec = specOf(image, OIIO::TypeDesc::UINT8);
-    std::vector<std::uint8_t> bytes(image.data.size());
-    const auto channels = static_cast<std::size_t>(image.channels);
-    for (std::size_t i = 0; i < bytes.size(); i += channels) {
-        bool bad = false;
-        for (std::size_t c = 0; c < channels; ++c) {
-            const float value = image.data[i + c];
-            bad = bad || std::isnan(value);
-            const bool alpha = (channels == 2 && c == 1) || c == 3;
-            const float shown = alpha ? std::clamp(value, 0.0f, 1.0f) : srgbFromLinear(std::clamp(value, 0.0f, 1.0f));
-            bytes[i + c] = std::isnan(value) ? std::uint8_t{255} : static_cast<std::uint8_t>(std::lround(255 * shown));
-        }
-        if (bad && channels >= 3) bytes[i] = 255, bytes[i + 1] = 0, bytes[i + 2] = 255;
-    }
-    write(file, spec, OIIO::TypeDesc::UINT8, bytes.data());
+    write(file, specOf(image, OIIO::TypeDesc::UINT8), OIIO::TypeDesc::UINT8, srgbBytes(image).data());
+}
+
+std::vector<std::uint8_t> encodePng(const Image& image) {
+    setUpOpenImageIO();
+    std::vector<std::uint8_t> bytes;
+    OIIO::Filesystem::IOVecOutput memory(bytes);
+    const auto out = OIIO::ImageOutput::create("png");
+    VOXCONE_CHECK(out != nullptr, "{}", OIIO::geterror());
+    VOXCONE_CHECK(out->set_ioproxy(&memory), "{}", out->geterror());
+    const bool written = out->open("memory.png", specOf(image, OIIO::TypeDesc::UINT8)) &&
+                         out->write_image(OIIO::TypeDesc::UINT8, srgbBytes(image).data()) && out->close();
+    VOXCONE_CHECK(written, "{}", out->geterror());
+    return bytes;
 }
 
 float srgbFromLinear(float linear) {

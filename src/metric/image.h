@@ -1,6 +1,7 @@
 // Linear float images and their files.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -38,6 +39,9 @@ void writeExr(const std::filesystem::path& file, const Image& image);
 /// 8-bit PNG, written atomically. `image` is linear display-referred in [0,1] and is encoded to sRGB; values outside
 /// are clipped, NaN is written as magenta so that it is seen.
 void writePng(const std::filesystem::path& file, const Image& image);
+
+/// The bytes of the file that writePng writes.
+std::vector<std::uint8_t> encodePng(const Image& image);
 
 /// sRGB transfer functions (IEC 61966-2-1).
 float srgbFromLinear(float linear);

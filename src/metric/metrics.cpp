@@ -83,6 +83,18 @@ LinearError linearError(const Image& reference, const Image& test) {
     return out;
 }
 
+std::map<std::string, double> metricsByName(const LinearError& error) {
+    return {{"relmse", error.relMse},
+            {"rmse", error.rmse},
+            {"bias", error.bias},
+            {"relative_bias", error.relativeBias},
+            {"p99", error.p99}};
+}
+
+std::map<std::string, double> metricsByName(const DisplayError& error) {
+    return {{"flip", error.flip}, {"ssim", error.ssim}, {"psnr", error.psnr}, {"grade", error.grade}};
+}
+
 Image ssimMap(const Image& reference, const Image& test) {
     VOXCONE_CHECK(sameShape(reference, test), "{}x{} and {}x{}", reference.width, reference.height, test.width,
                   test.height);

@@ -1,6 +1,7 @@
 // How far a picture is from a reference. All means are over pixels and channels.
 #pragma once
 
+#include <map>
 #include <string>
 
 #include "metric/image.h"
@@ -30,6 +31,10 @@ LinearError linearError(const Image& reference, const Image& test);
 
 /// Pictures are linear display-referred with 1 or 3 channels; they are clipped to [0,1] and encoded here.
 DisplayError displayError(const Image& reference, const Image& test);
+
+/// The same by the names that `voxcone compare` prints: relmse, rmse, bias, relative_bias, p99; psnr, ssim, grade, flip.
+std::map<std::string, double> metricsByName(const LinearError& error);
+std::map<std::string, double> metricsByName(const DisplayError& error);
 
 /// Structural similarity of every pixel and channel: Z. Wang, A. Bovik, H. Sheikh, E. Simoncelli 2004, eq. 13; 11×11
 /// Gaussian window, σ 1.5, K1 0.01, K2 0.03, on values in [0,1] (not encoded here). The window's weights are

@@ -531,11 +531,11 @@ TEST_F(Twins, StorageBlocks) {
     put(uint(COUNTER_STORAGE)); put(uint(PLACE_STORAGE)); put(uint(FACE_STORAGE)); put(uint(COVERAGE_STORAGE));
     put(uint(FREE_STORAGE)); put(uint(EMISSION_STORAGE)); put(uint(FRESH_STORAGE)); put(uint(SUM_STORAGE));
     put(uint(LIST_STORAGE)); put(uint(DIRECT_STORAGE)); put(uint(RADIANCE_STORAGE)); put(uint(LIT_STORAGE));
-    put(uint(GATHERED_STORAGE));
+    put(uint(GATHERED_STORAGE)); put(uint(SAMPLE_STORAGE));
 )");
     const Words expected{kCounterStorage,  kPlaceStorage, kFaceStorage,    kCoverageStorage, kFreeStorage,
                          kEmissionStorage, kFreshStorage, kSumStorage,     kListStorage,     kDirectStorage,
-                         kRadianceStorage, kLitStorage,   kGatheredStorage};
+                         kRadianceStorage, kLitStorage,   kGatheredStorage, kSampleStorage};
     EXPECT_EQ(run(program, {0}, 1, expected.size()), expected);
 }
 

@@ -1,0 +1,10 @@
+# cmake -DROOT=src/report -DOUTPUT=file.cpp -P EmbedPage.cmake: writes the parts of the page into one C++ file.
+set(text "// Generated from src/report/page.* by cmake/EmbedPage.cmake.\n#include \"report/embedded_page.h\"\n\n")
+string(APPEND text "namespace voxcone {\n")
+foreach(part Html Css Js)
+  string(TOLOWER ${part} extension)
+  file(READ ${ROOT}/page.${extension} content)
+  string(APPEND text "std::string_view embeddedPage${part}() { return R\"PAGE_(${content})PAGE_\"; }\n")
+endforeach()
+string(APPEND text "}  // namespace voxcone\n")
+file(WRITE ${OUTPUT} "${text}")

@@ -1,0 +1,61 @@
+// The cheapest of many combinations of settings that meets a bound on the error, found with few measurements. Pure.
+//
+// Knobs have values in order, from the cheapest and least accurate one. Logarithms of time and error are modelled as
+// sums of what each step of each knob changes, and of what two knobs change together; steps have a Gaussian prior, so
+// that the model is a Gaussian process whose kernel is that of random walks along the knobs. The next combination to
+// measure is the one with the largest expected gain in time, times the probability that it meets the bound (J. Gardner
+// et al. 2014, "Bayesian Optimization with Inequality Constraints"). Pictures to search with may be smaller than those
+// that are meant: the best found are measured again as they are meant, and tell how far small pictures err.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace voxcone {
+
+/// Index of the value of each knob.
+using Choice = std::vector<int>;
+
+/// What a choice costs; both > 0 and finite.
+struct Cost {
+    double milliseconds = 0, error = 0;
+};
+
+struct SearchSpace {
+    std::vector<int> sizes;  ///< values of each knob, at least 1
+    /// Measured first, in this order; at least one.
+    std::vector<Choice> seeds;
+    /// Maps choices that make the same picture to one of them; identity when empty.
+    std::function<Choice(Choice)> canonical;
+    bool smallPictures = false;  ///< errors of Stage::search are those of smaller pictures
+
+    Choice canonicalOf(Choice choice) const { return canonical ? canonical(std::move(choice)) : choice; }
+};
+
+enum class Stage {
+    search,  ///< one choice; pictures may be small, but times are those of the pictures meant
+    confirm  ///< a few choices, as they are meant, their repeats in turns
+};
+
+/// One answer a choice, in order; none for a choice that cannot be rendered.
+using MeasureChoices = std::function<std::vector<std::optional<Cost>>(const std::vector<Choice>&, Stage)>;
+
+struct SearchResult {
+    struct Probe {
+        Choice choice;
+        std::optional<Cost> cost;       ///< of the search; none when it failed
+        std::optional<Cost> confirmed;  ///< as meant
+    };
+    std::vector<Probe> probes;  ///< in the order measured
+    std::optional<int> best;    ///< index of the cheapest confirmed probe that meets the bound
+    int measurements = 0;       ///< of choices, in both stages
+    double pictureFactor = 1;   ///< error of the pictures meant over that of those searched with
+};
+
+/// Searches with at most `budget` measurements (at least one for each seed and one more), of which some confirm.
+/// Without a choice that meets `maxError` the one that seems to err least is confirmed and `best` stays empty. The
+/// same answers give the same search.
+SearchResult searchCheapest(const SearchSpace& space, double maxError, int budget, const MeasureChoices& measure);
+
+}  // namespace voxcone

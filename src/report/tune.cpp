@@ -1,0 +1,331 @@
+#include "report/tune.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/check.h"
+#include "core/error.h"
+
+namespace voxcone {
+
+using nlohmann::json;
+
+namespace {
+
+json valueIn(const Settings& settings, const std::string& key) {
+    std::string pointer = "/" + key;
+    std::replace(pointer.begin(), pointer.end(), '.', '/');
+    return toJson(settings).at(json::json_pointer(pointer));
+}
+
+std::string textOf(const json& value) {
+    return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+void assign(Settings& settings, const std::string& key, const json& value) {
+    applyAssignment(settings, key + "=" + textOf(value));
+}
+
+/// Numbers are as far apart as their ratio.
+double distance(const json& a, const json& b) {
+    if (a.is_number() && b.is_number()) return std::abs(std::log((a.get<double>() + 0.25) / (b.get<double>() + 0.25)));
+    return a == b ? 0 : 1;
+}
+
+int nearestIndex(const std::vector<json>& values, const json& value) {
+    const auto nearer = [&](const json& a, const json& b) { return distance(a, value) < distance(b, value); };
+    return static_cast<int>(std::min_element(values.begin(), values.end(), nearer) - values.begin());
+}
+
+/// Puts `value` where it belongs in the order of numbers, or at the end, unless it is there.
+void include(std::vector<json>& values, const json& value) {
+    if (std::find(values.begin(), values.end(), value) != values.end()) return;
+    const bool falls = values.front().is_number() && values.back() < values.front();
+    const auto after = std::find_if(values.begin(), values.end(), [&](const json& v) {
+        return value.is_number() && (falls ? v < value : value < v);
+    });
+    values.insert(after, value);
+}
+
+bool isPerPixel(const std::string& pass) {
+    return pass == "gbuffer" || pass == "direct" || pass == "composite" || pass.starts_with("cones: ");
+}
+
+}  // namespace
+
+Settings TuneSpace::settingsOf(const Choice& choice) const {
+    Settings settings = base;
+    for (std::size_t k = 0; k < knobs.size(); ++k)
+        assign(settings, knobs[k].key, knobs[k].values.at(static_cast<std::size_t>(choice.at(k))));
+    return settings;
+}
+
+std::string TuneSpace::changesOf(const Choice& choice) const {
+    std::string out;
+    for (std::size_t k = 0; k < knobs.size(); ++k) {
+        const json& value = knobs[k].values.at(static_cast<std::size_t>(choice.at(k)));
+        if (value == valueIn(base, knobs[k].key)) continue;
+        out += fmt::format("{}{}={}", out.empty() ? "" : " ", knobs[k].key, textOf(value));
+    }
+    return out.empty() ? "-" : out;
+}
+
+Choice TuneSpace::nearest(const Settings& settings) const {
+    Choice choice;
+    for (const Knob& knob : knobs) choice.push_back(nearestIndex(knob.values, valueIn(settings, knob.key)));
+    return choice;
+}
+
+SearchSpace TuneSpace::searchSpace(bool smallPictures) const {
+    SearchSpace space;
+    space.smallPictures = smallPictures;
+    Choice lowest, highest;
+    std::map<std::string, std::size_t> places;
+    for (const Knob& knob : knobs) {
+        places[knob.key] = space.sizes.size();
+        space.sizes.push_back(static_cast<int>(knob.values.size()));
+        lowest.push_back(0), highest.push_back(static_cast<int>(knob.values.size()) - 1);
+    }
+    space.seeds.push_back(nearest(base));
+    for (const char* preset : {"fast", "accurate"}) {
+        Settings settings = base;
+        applyPreset(settings, preset);
+        // What presets do not speak of stays.
+        Choice seed = nearest(settings);
+        for (std::size_t k = 0; k < knobs.size(); ++k)
+            if (valueIn(settings, knobs[k].key) == valueIn(Settings(), knobs[k].key)) seed[k] = space.seeds[0][k];
+        space.seeds.push_back(seed);
+    }
+    // A few knobs of one's own may look the same under all presets.
+    if (knobs.size() < 6) space.seeds.insert(space.seeds.end(), {lowest, highest});
+
+    // Only six faces have a near field, and without a bounce its cones do nothing.
+    const auto without = [&](const std::string& switchKey, const json& on, bool meansOff, const std::string& idleKey) {
+        const auto idle = places.find(idleKey), change = places.find(switchKey);
+        if (idle == places.end()) return std::function<void(Choice&)>([](Choice&) {});
+        std::vector<char> off;
+        const auto isOff = [&](const json& value) { return (value == on) == meansOff; };
+        if (change != places.end())
+            for (const json& value : knobs[change->second].values) off.push_back(isOff(value));
+        const bool always = change == places.end() && isOff(valueIn(base, switchKey));
+        return std::function<void(Choice&)>(
+            [=, at = idle->second, by = change == places.end() ? 0 : change->second](Choice& choice) {
+                if (always || (!off.empty() && off[static_cast<std::size_t>(choice[by])])) choice[at] = 0;
+            });
+    };
+    space.canonical = [near = without("voxel.storage", "six_face", false, "cone.near_field"),
+                       bounce = without("light.bounces", 0, true, "light.bounce_cones")](Choice choice) {
+        near(choice), bounce(choice);
+        return choice;
+    };
+    return space;
+}
+
+TuneSpace defaultTuneSpace(const Settings& base, const std::string& channel) {
+    const bool beauty = channel == "beauty", diffuse = channel == "indirect_diffuse";
+    const bool nearField = base.cone.start == StartOffset::normal && base.cone.compositing == Compositing::linear;
+    const bool specular = !diffuse && base.specular.enabled;
+    TuneSpace space;
+    space.base = base;
+    const auto add = [&](bool wanted, const char* key, std::vector<json> values) {
+        if (!wanted) return;
+        include(values, valueIn(base, key));
+        space.knobs.push_back({key, std::move(values)});
+    };
+    add(true, "voxel.resolution", {32, 64, 128, 256});
+    add(true, "cascade.levels", {1, 2, 3});
+    add(true, "voxel.storage", {"isotropic", "sh1", "six_face"});
+    add(beauty || diffuse, "cone.diffuse", {5, 6, 9, 16, 32});
+    add(true, "cone.step", {2.0, 1.5, 1.0, 0.7});
+    add(base.cone.footprintCap > 0, "cone.footprint_cap", {4.0, 6.0, 8.0, 12.0, 16.0});
+    add(nearField, "cone.near_field", {0.0, 4.0, 8.0, 16.0, 32.0});
+    add(true, "light.bounces", {0, 1, 2, 3, 6});
+    add(true, "light.bounce_cones", {5, 6, 9, 16});
+    add(true, "light.shadow_resolution", {512, 1024, 2048, 4096});
+    add(specular, "specular.cones", {1, 2, 4, 8});
+    add(specular, "specular.step", {2.0, 1.0, 0.5});
+    return space;
+}
+
+Knob knobFromText(const std::string& text) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+        throw UsageError(fmt::format("--vary {}: expected KEY=VALUE,VALUE, e.g. --vary cone.diffuse=6,16", text));
+    Knob knob{text.substr(0, equals), {}};
+    for (std::size_t from = equals + 1; from <= text.size();) {
+        const std::size_t comma = std::min(text.find(',', from), text.size());
+        const std::string word = text.substr(from, comma - from);
+        if (knob.key == "preset") throw UsageError("--vary preset: name settings one by one");
+        Settings probe;
+        try {
+            applyAssignment(probe, knob.key + "=" + word);
+        } catch (const UsageError& error) {
+            const std::string reason = error.what();
+            throw UsageError("--vary " + reason.substr(reason.starts_with("--set ") ? 6 : 0));
+        }
+        knob.values.push_back(valueIn(probe, knob.key));
+        from = comma + 1;
+    }
+    if (knob.values.size() < 2) throw UsageError(fmt::format("--vary {}: fewer than two values", text));
+    return knob;
+}
+
+SettingsMeter::SettingsMeter(gl::Context& context, Evaluator& evaluator, const CaptureScript& script,
+                             std::string channel, std::string metric, int repeats, bool firstFrames)
+    : context_(context),
+      evaluator_(evaluator),
+      script_(script),
+      channel_(std::move(channel)),
+      metric_(std::move(metric)),
+      repeats_(repeats),
+      firstFrames_(firstFrames) {}
+
+Settings SettingsMeter::resized(Settings settings, int divisor) const {
+    settings.output = script_.settings.output;
+    settings.output.width = std::max(settings.output.width / divisor, 1);
+    settings.output.height = std::max(settings.output.height / divisor, 1);
+    return settings;
+}
+
+void SettingsMeter::prepare(int divisor, const std::function<void(double)>& progress) {
+    const Settings settings = resized(script_.settings, divisor);
+    const double shots = static_cast<double>(script_.shots.size());
+    for (std::size_t i = 0; i < script_.shots.size(); ++i) {
+        const Shot& shot = script_.shots[i];
+        const Reference truth = evaluator_.reference(shot, shot.firstFrame, settings, [&](double fraction) {
+            if (progress) progress((static_cast<double>(i) + fraction) / shots);
+        });
+        if (!truth.channels.contains(channel_))
+            throw InputError(script_.scene.file.string(), "",
+                             fmt::format("{} of shot {} is black: there is nothing to tune", channel_, shot.name));
+    }
+}
+
+std::vector<Measured> SettingsMeter::measure(const std::vector<Settings>& list, int divisor) {
+    std::vector<Measured> out(list.size());
+    for (const Shot& shot : script_.shots) measureShot(shot, list, divisor, out);
+    return out;
+}
+
+void SettingsMeter::measureShot(const Shot& shot, const std::vector<Settings>& list, int divisor,
+                                std::vector<Measured>& out) {
+    const int frame = shot.firstFrame;
+    std::vector<std::unique_ptr<Trial>> trials(list.size());
+    std::vector<Settings> sized;
+    const auto attempt = [&](std::size_t i, const auto& work) {
+        if (!out[i].failure.empty()) return;
+        try {
+            work();
+        } catch (const Error& error) {
+            out[i] = {};
+            out[i].failure = error.what();
+            trials[i].reset();
+        }
+    };
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        sized.push_back(resized(list[i], divisor));
+        attempt(i, [&] {
+            trials[i] = std::make_unique<Trial>(context_, evaluator_.sceneFor(sized[i]), shot, frame, sized[i]);
+        });
+    }
+    std::vector<std::vector<Repeat>> repeats(list.size());
+    for (int n = 0; n < repeats_; ++n)
+        for (std::size_t i = 0; i < list.size(); ++i)
+            attempt(i, [&] {
+                const bool all = n == 0 || firstFrames_;
+                repeats[i].push_back(all ? trials[i]->repeat() : Repeat{repeats[i][0].first, trials[i]->again()});
+            });
+
+    const double pixels = static_cast<double>(script_.settings.output.width) * script_.settings.output.height;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        attempt(i, [&] {
+            const Measurement measurement = summarize(repeats[i]);
+            const Settings::Output& output = sized[i].output;
+            const double perPixel = pixels / (static_cast<double>(output.width) * output.height);
+            double first = 0, steady = 0;
+            for (const Measurement::Pass& pass : measurement.passes) {
+                const double scale = isPerPixel(pass.name) ? perPixel : 1;
+                if (pass.first) first += scale * pass.first->median;
+                if (pass.steady) steady += scale * pass.steady->median;
+            }
+            const Reference truth = evaluator_.reference(shot, frame, sized[i]);
+            const PictureResult picture = trials[i]->picture(truth, {channel_});
+            Measured& m = out[i];
+            // Sums of passes are what estimates scale; whole pictures have the frame's own time.
+            m.firstMilliseconds = std::max(m.firstMilliseconds, divisor > 1 ? first : measurement.first.median);
+            m.steadyMilliseconds = std::max(m.steadyMilliseconds, divisor > 1 ? steady : measurement.steady.median);
+            m.error = std::max(m.error, std::abs(picture.channels.at(channel_).errors.at(metric_)));
+            m.samplesPerPixel = std::max(m.samplesPerPixel, picture.samplesPerPixel);
+            m.memoryBytes = std::max(m.memoryBytes, picture.memoryBytes);
+        });
+    }
+}
+
+int tuneDivisor(const Settings& settings) {
+    return settings.output.width >= 256 && settings.output.height >= 144 ? 2 : 1;
+}
+
+TuneResult tune(SettingsMeter& meter, const TuneSpace& space, const TuneOptions& options,
+                const std::function<void(int, const Choice&, const Measured&)>& onMeasured) {
+    const int divisor = tuneDivisor(space.base);
+    const auto milliseconds = [&](const Measured& m) {
+        return options.firstFrame ? m.firstMilliseconds : m.steadyMilliseconds;
+    };
+    TuneResult result;
+    std::map<Choice, Measured> searched, confirmed;
+    int number = 0;
+    const MeasureChoices measure = [&](const std::vector<Choice>& choices, Stage stage) {
+        std::vector<Settings> list;
+        for (const Choice& choice : choices) list.push_back(space.settingsOf(choice));
+        const auto measured = meter.measure(list, stage == Stage::search ? divisor : 1);
+        std::vector<std::optional<Cost>> costs;
+        for (std::size_t i = 0; i < choices.size(); ++i) {
+            if (onMeasured) onMeasured(++number, choices[i], measured[i]);
+            if (measured[i].failure.empty()) {
+                (stage == Stage::search ? searched : confirmed)[choices[i]] = measured[i];
+                // A picture without error and a clock that has not ticked have no logarithm.
+                costs.emplace_back(Cost{std::max(milliseconds(measured[i]), 1e-6), std::max(measured[i].error, 1e-12)});
+            } else {
+                ++result.failed;
+                costs.emplace_back(std::nullopt);
+            }
+        }
+        return costs;
+    };
+    const SearchResult found =
+        searchCheapest(space.searchSpace(divisor > 1), options.maxError, options.budget, measure);
+    result.measurements = found.measurements;
+
+    std::vector<TuneResult::Row> rows;
+    for (const SearchResult::Probe& probe : found.probes) {
+        if (probe.confirmed) {
+            rows.push_back({probe.choice, confirmed.at(probe.choice), true});
+        } else if (probe.cost) {
+            rows.push_back({probe.choice, searched.at(probe.choice), false});
+            rows.back().measured.error *= found.pictureFactor;
+        }
+    }
+    if (found.best) {
+        const Choice& choice = found.probes[static_cast<std::size_t>(*found.best)].choice;
+        result.cheapest = TuneResult::Row{choice, confirmed.at(choice), true};
+        result.met = !options.maxMilliseconds || milliseconds(result.cheapest->measured) <= *options.maxMilliseconds;
+    }
+    std::stable_sort(rows.begin(), rows.end(), [&](const TuneResult::Row& a, const TuneResult::Row& b) {
+        return milliseconds(a.measured) < milliseconds(b.measured);
+    });
+    for (TuneResult::Row& row : rows)
+        if (result.front.empty() || row.measured.error < result.front.back().measured.error)
+            result.front.push_back(std::move(row));
+    return result;
+}
+
+json presetOf(const Settings& settings) {
+    json tree = toJson(settings);
+    for (const char* group : {"output", "reference", "device"}) tree.erase(group);
+    return tree;
+}
+
+}  // namespace voxcone

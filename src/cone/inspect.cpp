@@ -8,8 +8,8 @@
 namespace voxcone {
 namespace {
 
-constexpr int kResultStorage = 4, kSampleStorage = 5;  // shaders/cone/inspect.comp
-constexpr int kSamples = 512;                          ///< kept of a cone
+constexpr int kInspectedStorage = 4, kRecordedStorage = 5;  // shaders/cone/inspect.comp
+constexpr int kSamples = 512;                               ///< kept of a cone
 
 struct Sample {
     glm::vec4 place, radiance;
@@ -47,8 +47,8 @@ PixelCones ConeInspector::inspect(const glm::ivec2& pixel, const RadianceVolume&
     program_.set("u_inverseVoxelSize", static_cast<float>(1 / voxel));
     program_.set("u_pixel", pixel);
     bindGBuffer(program_, gl::kPassTextureUnit + kConeUnits);
-    results.bindBase(GL_SHADER_STORAGE_BUFFER, kResultStorage);
-    samples.bindBase(GL_SHADER_STORAGE_BUFFER, kSampleStorage);
+    results.bindBase(GL_SHADER_STORAGE_BUFFER, kInspectedStorage);
+    samples.bindBase(GL_SHADER_STORAGE_BUFFER, kRecordedStorage);
     gl::dispatch(program_, gl::groupsFor(settings_.cone.diffuse, 32), 1, 1);
     gl::memoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
 

@@ -132,6 +132,7 @@ void nearFieldAt(Cone cone, int level, float weight, float near, float reach, in
             result.radiance += stopped * unpackHalf4(b_radiance[hit.face]).rgb;
             result.openness -= stopped * occluderWeight(hit.t * edge);
             result.transmittance -= stopped;
+            RECORD(hit.t * edge, 0.0, float(level), result)
             if (result.transmittance <= 0.0) break;
         }
         bvec3 smallest = lessThanEqual(next, min(next.yzx, next.zxy));

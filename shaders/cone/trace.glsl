@@ -36,6 +36,12 @@ uniform usampler3D u_movingIndex;
 // Radiance over u_radianceScale, and coverage, as half floats: six faces a slot, or what light/fold.comp makes of them.
 layout(std430, binding = RADIANCE_STORAGE) readonly buffer Radiance { uvec2 b_radiance[]; };
 
+// What is to be done with each sample of a cone: its distance, length (0 for a plane of the near field), level, and the
+// result so far, whose radiance is not yet scaled. For cone/inspect.comp.
+#ifndef RECORD
+#define RECORD(t, length, lod, result)
+#endif
+
 #if COUNT_SAMPLES
 // What the cones of all pixels did, each as low and high word: places that they looked at, which are voxels of their near
 // fields and steps beyond; of these the near fields' voxels; levels looked up in the coverage volumes; levels of radiance.
@@ -385,8 +391,9 @@ ConeResult traceConeTo(Cone cone, float reach) {
 #endif
             result.openness -= stopped * occluderWeight(t);
             result.transmittance = after;
-            if (after < 1e-3) break;
         }
+        RECORD(t + 0.5 * ds, ds, lod, result)
+        if (result.transmittance < 1e-3) break;
 #if START_NORMAL
         t = from + u_coneStep * float(done);
 #else

@@ -17,6 +17,8 @@ uniform float u_inverseVoxelSize;          // of level 0
 uniform float u_radianceScale;
 uniform vec3 u_cameraPosition;
 uniform mat3 u_cameraRays;
+uniform vec4 u_cut;     // voxels whose centres lie where dot(u_cut.xyz, x) > u_cut.w (voxels of level 0) are left away
+uniform bool u_edges;   // darken the edges of voxels
 layout(std430, binding = FACE_STORAGE) readonly buffer Faces { FaceRecord b_faces[]; };
 layout(std430, binding = RADIANCE_STORAGE) readonly buffer Radiance { uvec2 b_radiance[]; };
 layout(rgba32f) uniform writeonly image2D u_picture;
@@ -71,9 +73,16 @@ void main() {
             if (moving != 0u &&
                 (mark == 0u || shareOf(faceSeen(moving, d, axis)) > shareOf(faceSeen(mark, d, axis)))) mark = moving;
 #endif
-            if (mark != 0u) {
+            vec3 centre = (vec3(voxel) + 0.5) * edge;
+            if (mark != 0u && dot(u_cut.xyz, centre) <= u_cut.w) {
                 value = faceValue(faceSeen(mark, d, axis));
                 found = true;
+                if (u_edges) {
+                    vec3 place = fract(o + d * t), aside = min(place, 1.0 - place);
+                    aside[axis] = 1.0;
+                    float width = 1.5 * t * length(u_cameraRays[1]) / max(length(d), 1e-6);
+                    if (min(aside.x, min(aside.y, aside.z)) < min(width, 0.15)) value *= 0.35;
+                }
             }
             axis = next.x <= next.y && next.x <= next.z ? 0 : (next.y <= next.z ? 1 : 2);
             t = next[axis];

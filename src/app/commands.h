@@ -25,6 +25,7 @@ Command compareCommand(CLI::App& app);
 Command infoCommand(CLI::App& app);
 Command reportCommand(CLI::App& app);
 Command tuneCommand(CLI::App& app);
+Command viewCommand(CLI::App& app);
 
 /// What `capture`, `reference` and `info` are given: a script or scene and changes to its settings.
 struct ScriptOptions {

@@ -18,7 +18,7 @@ int status(ExitCode code) {
 }
 
 int run(int argc, char** argv) {
-    CLI::App app("Lights a glTF scene by voxel cone tracing, headless, and says how wrong it is.", "voxcone");
+    CLI::App app("Lights a glTF scene by voxel cone tracing and says how wrong it is.", "voxcone");
     app.set_version_flag("--version", "voxcone " VOXCONE_VERSION);
     app.require_subcommand(1);
     app.footer(
@@ -26,7 +26,7 @@ int run(int argc, char** argv) {
         "no usable device.\n"
         "Results go to standard output, messages to standard error. `voxcone COMMAND --help` says more.");
     const Command commands[] = {captureCommand(app), referenceCommand(app), compareCommand(app), infoCommand(app),
-                                reportCommand(app), tuneCommand(app)};
+                                reportCommand(app), tuneCommand(app), viewCommand(app)};
     const auto chosen = [&]() -> const Command* {
         for (const Command& command : commands) {
             if (command.parser->parsed()) return &command;
@@ -36,7 +36,7 @@ int run(int argc, char** argv) {
     const auto usage = [&] {
         const Command* command = chosen();
         return command != nullptr ? command->usage
-                                  : "voxcone capture|reference|compare|info|report|tune … (see voxcone --help)";
+                                  : "voxcone capture|reference|compare|info|report|tune|view … (see voxcone --help)";
     };
     try {
         app.parse(argc, argv);

@@ -45,10 +45,9 @@ Environment readEnvironment(JsonObject object) {
 /// `up` without its part along `direction`; both unit. Fails when the two are parallel.
 glm::dvec3 perpendicular(const JsonObject& object, const std::string& key, const glm::dvec3& up,
                          const glm::dvec3& direction) {
-    const glm::dvec3 rest = up - glm::dot(up, direction) * direction;
-    if (glm::length(rest) < 1e-6 * std::max(1.0, glm::length(up)))
+    if (glm::length(up - glm::dot(up, direction) * direction) < 1e-6 * std::max(1.0, glm::length(up)))
         object.fail(key, "must not be parallel to the direction");
-    return glm::normalize(rest);
+    return uprightOf(up, direction);
 }
 
 Light readLight(JsonObject object) {
@@ -328,13 +327,16 @@ std::string baseChannel(const std::string& channel) {
     return channel.substr(0, channel.find(':'));
 }
 
+glm::dvec3 uprightOf(const glm::dvec3& up, const glm::dvec3& view) {
+    return glm::normalize(up - glm::dot(up, view) * view);
+}
+
 Camera cameraAt(const Shot& shot, const Scene& scene, double time) {
     Camera camera = shot.camera;
     if (!shot.path.empty()) {
         camera.position = shot.path.position.at(time);
         camera.target = shot.path.target.at(time);
-        const glm::dvec3 view = glm::normalize(camera.target - camera.position);
-        camera.up = glm::normalize(camera.up - glm::dot(camera.up, view) * view);
+        camera.up = uprightOf(camera.up, glm::normalize(camera.target - camera.position));
     }
     return worldCamera(camera, scene.worldMatrices(time));
 }

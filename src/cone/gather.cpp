@@ -1,5 +1,7 @@
 #include "cone/gather.h"
 
+#include <algorithm>
+
 #include "gl/bindings.h"
 
 namespace voxcone {
@@ -22,6 +24,21 @@ void dispatchPixels(gl::Program& program, const gl::Texture& output, const char*
     output.bindImage(kOutputImage, 0, GL_WRITE_ONLY, format);
     program.set(image, kOutputImage);
     gl::dispatch(program, gl::groupsFor(output.width(), 8), gl::groupsFor(output.height(), 8), 1);
+    gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+}
+
+/// The same for shaders that count rows from u_firstRow: in bands, before each of which `stop` is asked.
+void dispatchBands(gl::Program& program, const gl::Texture& output, const char* image, GLenum format,
+                   const Stop& stop) {
+    constexpr int kGroup = 8, kPixels = 1 << 14;  // a band: some tens of milliseconds on a software rasteriser
+    const int rows = gl::groupsFor(output.height(), kGroup);
+    const int band = stop ? std::clamp(kPixels / (kGroup * output.width()), 1, rows) : rows;
+    output.bindImage(kOutputImage, 0, GL_WRITE_ONLY, format);
+    program.set(image, kOutputImage);
+    for (int row = 0; row < rows && !(stop && stop()); row += band) {
+        program.set("u_firstRow", kGroup * row);
+        gl::dispatch(program, gl::groupsFor(output.width(), kGroup), std::min(band, rows - row), 1);
+    }
     gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
 }
 
@@ -60,31 +77,37 @@ DiffusePass::DiffusePass(const gl::ShaderLibrary& shaders, const Settings& setti
     filterDefines["ROTATE"] = defines["ROTATE"];
     filterDefines["CASCADES"] = defines["CASCADES"];
     filter_ = shaders.compute("cone/filter.comp", filterDefines);
+    resize(width, height);
+}
+
+void DiffusePass::resize(int width, int height) {
     gathered_ = gl::Texture::create2D(GL_RGBA32F, width, height);
     diffuse_ = gl::Texture::create2D(GL_RGBA32F, width, height);
 }
 
 void DiffusePass::gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky,
-                         const BindGBuffer& bindGBuffer, SeamSide side) {
+                         const BindGBuffer& bindGBuffer, SeamSide side, const Stop& stop) {
     setConeUniforms(program, settings_, sky, volume, settings_.cone.step, kConeUnit);
     setConeSetUniforms(program, settings_.cone.diffuse);
     setContainmentUniforms(program, *volume.voxels, side == SeamSide::blended);
     program.set("u_coarserSide", side == SeamSide::coarser);
     program.set("u_inverseVoxelSize", inverseVoxelSize(volume));
     bindGBuffer(program, kGBufferUnit);
-    dispatchPixels(program, gathered_, "u_gathered", GL_RGBA32F);
+    dispatchBands(program, gathered_, "u_gathered", GL_RGBA32F, stop);
 }
 
 std::uint64_t DiffusePass::countSamples(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer) {
-    return samples_.count([&](gl::Program& program) { gather(program, volume, sky, bindGBuffer, SeamSide::blended); });
+    return samples_.count(
+        [&](gl::Program& program) { gather(program, volume, sky, bindGBuffer, SeamSide::blended, {}); });
 }
 
 void DiffusePass::run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
-                      gl::PassTimers& timers, SeamSide side) {
+                      gl::PassTimers& timers, SeamSide side, const Stop& stop) {
     {
         const auto pass = timers.pass("cones: diffuse");
-        gather(gather_, volume, sky, bindGBuffer, side);
+        gather(gather_, volume, sky, bindGBuffer, side, stop);
     }
+    if (stop && stop()) return;
     const auto pass = timers.pass("cones: filter");
     gathered_.bindTo(kOwnUnit);
     filter_.set("u_gathered", kOwnUnit);
@@ -105,31 +128,36 @@ SpecularPass::SpecularPass(const gl::ShaderLibrary& shaders, const Settings& set
     gl::Defines filterDefines = gbufferDefines;
     for (const char* name : {"CONES", "ROTATE", "CASCADES"}) filterDefines[name] = defines[name];
     filter_ = shaders.compute("cone/specular_filter.comp", filterDefines);
+    resize(width, height);
+}
+
+void SpecularPass::resize(int width, int height) {
     gathered_ = gl::Texture::create2D(GL_RGBA32F, width, height);
     specular_ = gl::Texture::create2D(GL_RGBA32F, width, height);
 }
 
 void SpecularPass::gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky,
-                          const BindGBuffer& bindGBuffer) {
+                          const BindGBuffer& bindGBuffer, const Stop& stop) {
     setConeUniforms(program, settings_, sky, volume, settings_.specular.step, kConeUnit);
     // Few of the cones of a lobe run along the surface, as those at the rim of a diffuse set do.
     program.set("u_footprintCap", 0.5 * settings_.cone.footprintCap);
     program.set("u_inverseVoxelSize", inverseVoxelSize(volume));
     program.set("u_smoothAlpha", kSmoothAlpha);
     bindGBuffer(program, kGBufferUnit);
-    dispatchPixels(program, gathered_, "u_gathered", GL_RGBA32F);
+    dispatchBands(program, gathered_, "u_gathered", GL_RGBA32F, stop);
 }
 
 std::uint64_t SpecularPass::countSamples(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer) {
-    return samples_.count([&](gl::Program& program) { gather(program, volume, sky, bindGBuffer); });
+    return samples_.count([&](gl::Program& program) { gather(program, volume, sky, bindGBuffer, {}); });
 }
 
 void SpecularPass::run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
-                       gl::PassTimers& timers) {
+                       gl::PassTimers& timers, const Stop& stop) {
     {
         const auto pass = timers.pass("cones: specular");
-        gather(gather_, volume, sky, bindGBuffer);
+        gather(gather_, volume, sky, bindGBuffer, stop);
     }
+    if (stop && stop()) return;
     const auto pass = timers.pass("cones: specular filter");
     gathered_.bindTo(kOwnUnit);
     filter_.set("u_gathered", kOwnUnit);
@@ -149,6 +177,10 @@ SoftShadowPass::SoftShadowPass(const gl::ShaderLibrary& shaders, const Settings&
     defines["AO_DISTANCE"] = "0";
     defines["SHADOW_CONES"] = std::to_string(settings.shadow.coneCount);
     program_ = shaders.compute("cone/soft_shadow.comp", defines);
+    resize(width, height);
+}
+
+void SoftShadowPass::resize(int width, int height) {
     visibility_ = gl::Texture::create2D(GL_R32F, width, height);
 }
 

@@ -15,15 +15,22 @@ enum class SeamSide { blended, finer, coarser };
 /// Binds what frame/gbuffer.glsl reads to a program, at texture units from `firstUnit`.
 using BindGBuffer = std::function<void(gl::Program&, int firstUnit)>;
 
+/// Asked between pieces of long work; true abandons it. Empty: never.
+using Stop = std::function<bool()>;
+
 class DiffusePass {
   public:
     /// `gbufferDefines`: those that frame/gbuffer.glsl is compiled with. Size in pixels of the G-buffer.
     DiffusePass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels, const Sky& sky,
                 const gl::Defines& gbufferDefines, int width, int height);
 
-    /// Passes "cones: diffuse" and "cones: filter". `side`: without a blend, to measure the seam.
+    /// Passes "cones: diffuse" and "cones: filter". `side`: without a blend, to measure the seam. When `stop` ends them
+    /// the texture holds nothing of use.
     void run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer, gl::PassTimers& timers,
-             SeamSide side = SeamSide::blended);
+             SeamSide side = SeamSide::blended, const Stop& stop = {});
+
+    /// Another size of the G-buffer.
+    void resize(int width, int height);
 
     /// Places that the cones of `run` look at: sample_counter.h.
     std::uint64_t countSamples(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer);
@@ -34,7 +41,7 @@ class DiffusePass {
 
   private:
     void gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
-                SeamSide side);
+                SeamSide side, const Stop& stop);
 
     Settings settings_;
     SampleCounter samples_;
@@ -48,8 +55,12 @@ class SpecularPass {
     SpecularPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels, const Sky& sky,
                  const gl::Defines& gbufferDefines, const gl::Texture& specularAlbedo, int width, int height);
 
-    /// Passes "cones: specular" and "cones: specular filter".
-    void run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer, gl::PassTimers& timers);
+    /// Passes "cones: specular" and "cones: specular filter". When `stop` ends them the texture holds nothing of use.
+    void run(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer, gl::PassTimers& timers,
+             const Stop& stop = {});
+
+    /// Another size of the G-buffer.
+    void resize(int width, int height);
 
     /// Places that the cones of `run` look at: sample_counter.h.
     std::uint64_t countSamples(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer);
@@ -59,7 +70,8 @@ class SpecularPass {
     std::uint64_t bytes() const { return gathered_.bytes() + specular_.bytes(); }
 
   private:
-    void gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer);
+    void gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer,
+                const Stop& stop);
 
     Settings settings_;
     const gl::Texture& specularAlbedo_;
@@ -77,6 +89,9 @@ class SoftShadowPass {
     /// Pass "cones: soft shadow". `bindLights` binds what light/lights.glsl reads to the given program.
     void run(const RadianceVolume& volume, const std::function<void(gl::Program&)>& bindLights,
              const BindGBuffer& bindGBuffer, gl::PassTimers& timers);
+
+    /// Another size of the G-buffer.
+    void resize(int width, int height);
 
     /// R32F: share of the irradiance without shadows that arrives, 0 to 1; 1 on the background.
     const gl::Texture& texture() const { return visibility_; }

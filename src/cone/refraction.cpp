@@ -30,6 +30,10 @@ RefractionPass::RefractionPass(const gl::ShaderLibrary& shaders, const Settings&
       specularAlbedo_(specularAlbedo),
       samples_(shaders, "cone/refraction.comp", refractionDefines(settings, scene, voxels, sky, gbufferDefines)) {
     program_ = shaders.compute("cone/refraction.comp", refractionDefines(settings, scene, voxels, sky, gbufferDefines));
+    resize(width, height);
+}
+
+void RefractionPass::resize(int width, int height) {
     transmission_ = gl::Texture::create2D(GL_RGBA32F, width, height);
 }
 

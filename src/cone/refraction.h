@@ -23,6 +23,9 @@ class RefractionPass {
     /// Places that the cones of `run` look at: sample_counter.h.
     std::uint64_t countSamples(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer);
 
+    /// Another size of the G-buffer.
+    void resize(int width, int height);
+
     /// RGBA32F: transmitted radiance towards the eye, W/(m² sr), without that of analytic lights.
     const gl::Texture& texture() const { return transmission_; }
 

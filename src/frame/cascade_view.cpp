@@ -20,8 +20,13 @@ gl::Defines definesOf(const GBuffer& gbuffer, const Voxels& voxels) {
 }  // namespace
 
 CascadeView::CascadeView(const gl::ShaderLibrary& shaders, const GBuffer& gbuffer, const Voxels& voxels)
-    : program_(shaders.compute("frame/cascade_view.comp", definesOf(gbuffer, voxels))),
-      picture_(gl::Texture::create2D(GL_RGBA32F, gbuffer.width(), gbuffer.height())) {}
+    : program_(shaders.compute("frame/cascade_view.comp", definesOf(gbuffer, voxels))) {
+    resize(gbuffer.width(), gbuffer.height());
+}
+
+void CascadeView::resize(int width, int height) {
+    picture_ = gl::Texture::create2D(GL_RGBA32F, width, height);
+}
 
 const gl::Texture& CascadeView::draw(const GBuffer& gbuffer, const Voxels& voxels) {
     gbuffer.bind(program_, gl::kPassTextureUnit);

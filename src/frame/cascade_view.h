@@ -20,6 +20,9 @@ class CascadeView {
   public:
     CascadeView(const gl::ShaderLibrary& shaders, const GBuffer& gbuffer, const Voxels& voxels);
 
+    /// Another size of the G-buffer.
+    void resize(int width, int height);
+
     /// Colour of the level in rgb (shaders/frame/cascade_view.comp), and in a the level; its fraction is the weight of
     /// the next one, −1 where nothing was hit.
     const gl::Texture& draw(const GBuffer& gbuffer, const Voxels& voxels);

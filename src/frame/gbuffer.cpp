@@ -83,7 +83,27 @@ CameraView cameraView(const Camera& worldCamera, const glm::dvec3& origin, const
 }
 
 GBuffer::GBuffer(const gl::ShaderLibrary& shaders, const gl::GpuScene& scene, int width, int height)
-    : width_(width), height_(height), emission_(scene.anyEmission()), transmission_(scene.anyTransmission()) {
+    : emission_(scene.anyEmission()), transmission_(scene.anyTransmission()) {
+    resize(width, height);
+    if (transmission_) exitProgram_ = shaders.graphics({"frame/gbuffer.vert", "frame/exits.frag"});
+
+    const auto& batches = scene.batches();
+    const bool anyOpaque = std::any_of(batches.begin(), batches.end(),
+                                       [](const gl::Batch& batch) { return batch.alphaMode == AlphaMode::opaque; });
+    const std::vector<std::string> stages = {"frame/gbuffer.vert", "frame/gbuffer.frag"};
+    if (anyOpaque) opaque_ = shaders.graphics(stages, defines());
+    if (scene.anyAlphaTest()) {
+        gl::Defines alpha = defines();
+        alpha["ALPHA_TEST"] = "1";
+        alphaTested_ = shaders.graphics(stages, alpha);
+    }
+    channels_ = shaders.compute("frame/channels.comp", defines());
+}
+
+void GBuffer::resize(int width, int height) {
+    width_ = width;
+    height_ = height;
+    framebuffer_ = gl::Framebuffer();
     surface_ = gl::Texture::create2D(GL_RGBA32UI, width, height);
     baseColor_ = gl::Texture::create2D(GL_RGBA16, width, height);
     specular_ = gl::Texture::create2D(GL_RGBA16, width, height);
@@ -102,23 +122,11 @@ GBuffer::GBuffer(const gl::ShaderLibrary& shaders, const gl::GpuScene& scene, in
         exits_ = gl::Texture::create2D(GL_RG32UI, width, height);
         framebuffer_.attachColor(transmissionLocation(), transmissionTexture_);
         framebuffer_.attachColor(transmissionLocation() + 1, scattered_);
+        exitFramebuffer_ = gl::Framebuffer();
         exitFramebuffer_.attachColor(0, exits_);
         exitFramebuffer_.attachDepth(depth_);
-        exitProgram_ = shaders.graphics({"frame/gbuffer.vert", "frame/exits.frag"});
     }
     framebuffer_.attachDepth(depth_);
-
-    const auto& batches = scene.batches();
-    const bool anyOpaque = std::any_of(batches.begin(), batches.end(),
-                                       [](const gl::Batch& batch) { return batch.alphaMode == AlphaMode::opaque; });
-    const std::vector<std::string> stages = {"frame/gbuffer.vert", "frame/gbuffer.frag"};
-    if (anyOpaque) opaque_ = shaders.graphics(stages, defines());
-    if (scene.anyAlphaTest()) {
-        gl::Defines alpha = defines();
-        alpha["ALPHA_TEST"] = "1";
-        alphaTested_ = shaders.graphics(stages, alpha);
-    }
-    channels_ = shaders.compute("frame/channels.comp", defines());
 }
 
 gl::Defines GBuffer::defines() const {

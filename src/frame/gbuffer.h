@@ -41,6 +41,9 @@ class GBuffer {
   public:
     GBuffer(const gl::ShaderLibrary& shaders, const gl::GpuScene& scene, int width, int height);
 
+    /// Another size.
+    void resize(int width, int height);
+
     /// Pass "gbuffer". `scene` is the one of the constructor, its origin the one of `view`.
     void draw(const gl::GpuScene& scene, const CameraView& view, gl::PassTimers& timers);
 
@@ -64,7 +67,7 @@ class GBuffer {
     int transmissionLocation() const { return emission_ ? 4 : 3; }
     void drawExits(const gl::GpuScene& scene, const CameraView& view);
 
-    int width_, height_;
+    int width_ = 0, height_ = 0;
     bool emission_, transmission_;
     glm::dvec3 origin_{0};
     CameraView view_;

@@ -7,11 +7,13 @@
 
 #include "cascade/voxels.h"
 #include "cone/gather.h"
+#include "cone/inspect.h"
 #include "cone/refraction.h"
 #include "core/check.h"
 #include "frame/cascade_view.h"
 #include "frame/gbuffer.h"
 #include "frame/tonemap.h"
+#include "frame/voxel_slice.h"
 #include "frame/voxel_view.h"
 #include "gl/bindings.h"
 #include "gl/context.h"
@@ -50,12 +52,14 @@ gl::TimerMode timerMode(const gl::Context& context, PassTimer setting) {
 /// Passes hold the programs and textures of one scene under one tree of settings. Those that the scene or the settings
 /// do not need are absent.
 struct Renderer::Impl {
-    Impl(gl::Context& glContext, const Scene& renderedScene, const Settings& givenSettings, double time)
+    Impl(gl::Context& glContext, const Scene& renderedScene, const Settings& givenSettings, double time,
+         const std::filesystem::path& shaderFolder)
         : context(glContext),
           scene(renderedScene),
           settings(givenSettings),
           width(settings.output.width * settings.output.supersample),
           height(settings.output.height * settings.output.supersample),
+          shaders(shaderFolder),
           timers(timerMode(context, settings.device.timer)),
           environment(scene.environment, scene.environment.residual),
           background(scene.environment.residual.empty() ? gl::GpuEnvironment() : gl::GpuEnvironment(scene.environment)),
@@ -99,6 +103,23 @@ struct Renderer::Impl {
         return false;
     }
 
+    void setOutput(const Settings::Output& output) {
+        settings.output = output;
+        const int newWidth = output.width * output.supersample, newHeight = output.height * output.supersample;
+        if (newWidth == width && newHeight == height) return;
+        width = newWidth;
+        height = newHeight;
+        gbuffer.resize(width, height);
+        composite.resize(width, height);
+        if (direct) direct->resize(width, height);
+        if (diffuse) diffuse->resize(width, height);
+        if (specular) specular->resize(width, height);
+        if (refraction) refraction->resize(width, height);
+        if (softShadow) softShadow->resize(width, height);
+        if (voxelView) voxelView->resize(width, height);
+        if (cascadeView) cascadeView->resize(width, height);
+    }
+
     /// Brings shadow maps, voxels and their light to the scene's time and the camera's place.
     void updateVoxels(const glm::dvec3& eye) {
         const glm::dvec3 origin = clipmapOrigin(layout, eye);
@@ -113,7 +134,7 @@ struct Renderer::Impl {
         if (voxelizer) {
             std::vector<Bounds> moved;
             for (const Bounds& box : gpuScene.takeMoved()) moved.push_back({box.min - origin, box.max - origin});
-            const ClipmapUpdate update = schedule->next(eye - origin, moved);
+            update = schedule->next(eye - origin, moved);
             voxels.center = eye - origin;
             if (settings.cascade.center == CascadeCenter::window && layout.moves(0))
                 voxels.center = 0.5 * layout.voxelSize * glm::dvec3(update.windows[0].low + update.windows[0].high);
@@ -137,16 +158,24 @@ struct Renderer::Impl {
         forgotten = false;
     }
 
-    /// The frame, pass by pass. `change`: set to what the light of the frame before has become, if not null.
-    void render(const Camera& worldCamera, TemporalChange* change) {
+    /// The frame, pass by pass. `change`: set to what the light of the frame before has become, if not null. False when
+    /// `stop` has abandoned it.
+    bool render(const Camera& worldCamera, TemporalChange* change, const std::function<bool()>& stop) {
         Image before;
         const bool compare = change && voxelizer && !voxels.windows.empty();
         if (compare) before = gatheredBefore(worldCamera);
         timers.beginFrame();
         // Passes store into the images that the last frame fetched.
         gl::memoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-        updateVoxels(worldCamera.position);
+        updateVoxels(clipmapEye.value_or(worldCamera.position));
+        const auto abandoned = [&] {
+            if (!stop || !stop()) return false;
+            timers.endFrame();
+            collectStats();
+            return true;
+        };
         gbuffer.draw(gpuScene, cameraView(worldCamera, gpuScene.origin(), gpuScene.bounds(), width, height), timers);
+        if (abandoned()) return false;
         const auto bindGBuffer = [this](gl::Program& program, int unit) { gbuffer.bind(program, unit); };
         std::vector<const gl::Texture*> layers;
         if (direct && shadowMaps.lightCount() > 0) {
@@ -156,10 +185,13 @@ struct Renderer::Impl {
         }
         if (voxelizer) {
             const RadianceVolume volume = field->volume(voxels);
-            diffuse->run(volume, sky, bindGBuffer, timers);
+            if (abandoned()) return false;
+            diffuse->run(volume, sky, bindGBuffer, timers, SeamSide::blended, stop);
+            if (abandoned()) return false;
             layers.push_back(&diffuse->texture());
             if (specular) {
-                specular->run(volume, sky, bindGBuffer, timers);
+                specular->run(volume, sky, bindGBuffer, timers, stop);
+                if (abandoned()) return false;
                 layers.push_back(&specular->texture());
             }
             if (refraction) {
@@ -174,6 +206,7 @@ struct Renderer::Impl {
         timers.endFrame();
         collectStats();
         if (compare) *change = changeInPlace(before, channel("indirect_diffuse"), channel("albedo"));
+        return true;
     }
 
     /// What this frame's surfaces would gather from the voxels of the last one.
@@ -300,7 +333,8 @@ struct Renderer::Impl {
             const int level = colon == std::string::npos ? -1 : std::stoi(name.substr(colon + 1));
             if (level >= layout.count()) return empty;
             if (!voxelView) voxelView = std::make_unique<VoxelView>(shaders, voxels, width, height);
-            voxelView->draw(name.substr(0, colon), level, gbuffer.view(), field->volume(voxels), field->faces());
+            voxelView->draw(name.substr(0, colon), level, gbuffer.view(), field->volume(voxels), field->faces(),
+                            voxelOptions);
             return readout.read(voxelView->texture(), 3, n);
         }
         return gbuffer.channel(name, n);
@@ -308,8 +342,8 @@ struct Renderer::Impl {
 
     gl::Context& context;
     const Scene& scene;
-    const Settings settings;
-    const int width, height;  ///< of the G-buffer
+    Settings settings;
+    int width, height;  ///< of the G-buffer
     gl::ShaderLibrary shaders;
     gl::PassTimers timers;
     gl::GpuEnvironment environment;
@@ -325,7 +359,9 @@ struct Renderer::Impl {
     ClipmapLayout layout;
     std::unique_ptr<ClipmapSchedule> schedule;
     Voxels voxels;
-    int bouncesLeft = 0;  ///< frames until light has settled, with an update budget
+    ClipmapUpdate update;                  ///< the last one
+    std::optional<glm::dvec3> clipmapEye;  ///< instead of the camera
+    int bouncesLeft = 0;                   ///< frames until light has settled, with an update budget
     std::unique_ptr<DiffusePass> diffuse;
     gl::Texture specularAlbedo;
     std::unique_ptr<SpecularPass> specular;
@@ -334,13 +370,17 @@ struct Renderer::Impl {
     Composite composite;
     Readout readout;
     std::unique_ptr<VoxelView> voxelView;
+    VoxelViewOptions voxelOptions;
+    std::unique_ptr<VoxelSlicer> slicer;
+    std::unique_ptr<ConeInspector> inspector;
     std::unique_ptr<CascadeView> cascadeView;
     bool forgotten = true;  ///< nothing that was voxelized and lit before is of use
     FrameStats stats;
 };
 
-Renderer::Renderer(gl::Context& context, const Scene& scene, const Settings& settings, double time)
-    : impl_(std::make_unique<Impl>(context, scene, settings, time)) {}
+Renderer::Renderer(gl::Context& context, const Scene& scene, const Settings& settings, double time,
+                   const std::filesystem::path& shaderFolder)
+    : impl_(std::make_unique<Impl>(context, scene, settings, time, shaderFolder)) {}
 Renderer::~Renderer() = default;
 
 void Renderer::setTime(double time) {
@@ -348,13 +388,52 @@ void Renderer::setTime(double time) {
     impl_->gpuScene.setTime(time);
 }
 
-void Renderer::render(const Camera& worldCamera) {
-    impl_->render(worldCamera, nullptr);
+void Renderer::setOutput(const Settings::Output& output) {
+    impl_->setOutput(output);
+}
+
+void Renderer::setClipmapEye(const std::optional<glm::dvec3>& eye) {
+    impl_->clipmapEye = eye;
+}
+
+void Renderer::setVoxelView(const VoxelViewOptions& options) {
+    impl_->voxelOptions = options;
+}
+
+PixelCones Renderer::inspect(int x, int y) {
+    Impl& r = *impl_;
+    VOXCONE_CHECK(x >= 0 && y >= 0 && x < r.width && y < r.height, "pixel {}, {} of {}×{}", x, y, r.width, r.height);
+    if (!r.voxelizer) return {};
+    if (!r.inspector)
+        r.inspector = std::make_unique<ConeInspector>(r.shaders, r.settings, r.voxels, r.sky, r.gbuffer.defines());
+    return r.inspector->inspect({x, r.height - 1 - y}, r.field->volume(r.voxels), r.sky,
+                                [&r](gl::Program& program, int unit) { r.gbuffer.bind(program, unit); });
+}
+
+VoxelSlice Renderer::voxelSlice(int level, int axis, int depth) {
+    Impl& r = *impl_;
+    if (!r.voxelizer || r.voxels.windows.empty()) return {};
+    if (!r.slicer) r.slicer = std::make_unique<VoxelSlicer>(r.shaders, r.voxels);
+    return r.slicer->read(std::clamp(level, 0, r.layout.count() - 1), axis, depth, r.field->volume(r.voxels),
+                          r.field->faces());
+}
+
+bool Renderer::render(const Camera& worldCamera, const std::function<bool()>& stop) {
+    return impl_->render(worldCamera, nullptr, stop);
+}
+
+void Renderer::drawSurfaces(const Camera& worldCamera) {
+    Impl& r = *impl_;
+    gl::PassTimers unused(gl::TimerMode::finish);
+    // Before the first frame nothing has an origin; from then on voxels and surfaces share it.
+    if (r.forgotten) r.gpuScene.setOrigin(clipmapOrigin(r.layout, worldCamera.position));
+    r.gbuffer.draw(r.gpuScene, cameraView(worldCamera, r.gpuScene.origin(), r.gpuScene.bounds(), r.width, r.height),
+                   unused);
 }
 
 TemporalChange Renderer::renderAndCompare(const Camera& worldCamera) {
     TemporalChange change;
-    impl_->render(worldCamera, &change);
+    impl_->render(worldCamera, &change, {});
     return change;
 }
 
@@ -389,6 +468,21 @@ std::vector<Renderer::Level> Renderer::levels() const {
     return out;
 }
 
+ClipmapState Renderer::clipmap() const {
+    const Voxels& voxels = impl_->voxels;
+    ClipmapState state;
+    if (!impl_->voxelizer || voxels.windows.empty()) {
+        state.layout.levels = 0;
+        return state;
+    }
+    state.layout = impl_->layout;
+    state.origin = voxels.origin;
+    state.center = voxels.origin + voxels.center;
+    state.radius = voxels.radius() * impl_->layout.voxelSize;
+    state.update = impl_->update;
+    return state;
+}
+
 Image Renderer::channel(const std::string& name) {
     return impl_->channel(name);
 }
@@ -396,6 +490,11 @@ Image Renderer::channel(const std::string& name) {
 Image Renderer::display() {
     return impl_->readout.display(impl_->composite.beauty(), impl_->settings.output.toneMap,
                                   impl_->settings.output.supersample);
+}
+
+gl::Texture Renderer::displayTexture() {
+    return impl_->readout.displayTexture(impl_->composite.beauty(), impl_->settings.output.toneMap,
+                                         impl_->settings.output.supersample);
 }
 
 void Renderer::invalidate() {

@@ -2,11 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "cascade/update.h"
 #include "core/settings.h"
 #include "metric/image.h"
 #include "metric/temporal.h"
@@ -16,7 +20,11 @@ namespace voxcone {
 
 namespace gl {
 class Context;
-}
+class Texture;
+}  // namespace gl
+struct PixelCones;        // cone/inspect.h
+struct VoxelSlice;        // frame/voxel_slice.h
+struct VoxelViewOptions;  // frame/voxel_view.h
 
 /// What one frame cost. Times are of the device (`timer` says how they were taken).
 struct FrameStats {
@@ -50,13 +58,24 @@ struct LeftOut {
     std::string what, why;
 };
 
+/// Where the clipmap is, and what the last frame voxelized of it.
+struct ClipmapState {
+    ClipmapLayout layout;
+    glm::dvec3 origin{0};  ///< world position of voxel index 0
+    glm::dvec3 center{0};  ///< world position around which levels blend
+    double radius = 0;     ///< half-edge of the cube around the centre in which level 0 may be read, metres
+    ClipmapUpdate update;  ///< windows of levels and mips, and the regions that were voxelized
+};
+
 /// Renders one scene. Not thread-safe: lives on the thread of its context.
 class Renderer {
   public:
     /// Uploads `scene` as it is at `time` seconds and allocates only what scene and settings need. Throws DeviceError
-    /// when a limit is too small. `scene` must outlive the renderer.
-    Renderer(gl::Context& context, const Scene& scene, const Settings& settings, double time = 0);
-    Renderer(gl::Context&, Scene&&, const Settings&, double = 0) = delete;
+    /// when a limit is too small. `scene` must outlive the renderer; its lights may change between frames, though not
+    /// in number or type. `shaderFolder`: as gl::ShaderLibrary; throws gl::ShaderError when one does not compile.
+    Renderer(gl::Context& context, const Scene& scene, const Settings& settings, double time = 0,
+             const std::filesystem::path& shaderFolder = {});
+    Renderer(gl::Context&, Scene&&, const Settings&, double = 0, const std::filesystem::path& = {}) = delete;
     ~Renderer();
     Renderer(const Renderer&) = delete;
     Renderer& operator=(const Renderer&) = delete;
@@ -64,13 +83,28 @@ class Renderer {
     /// Moves animated nodes to `time`; voxels and shadow maps follow with the next frame.
     void setTime(double time);
 
+    /// Other sizes, supersamples, exposure and tone curve from the next frame on; voxels and their light stay.
+    void setOutput(const Settings::Output& output);
+
+    /// Centres the clipmap at `eye` (world space) instead of at the camera, or at the camera again.
+    void setClipmapEye(const std::optional<glm::dvec3>& eye);
+
+    /// How voxel views are drawn from now on.
+    void setVoxelView(const VoxelViewOptions& options);
+
     /// Draws one frame into the device's channels. Voxels, shadow maps and bounces are renewed where the camera's or
-    /// the scene's motion asks for it.
-    void render(const Camera& worldCamera);
+    /// the scene's motion asks for it. `stop` is asked once voxels and G-buffer are whole, then between passes and
+    /// within long ones: true abandons the frame. False when that happened; albedo, normal, depth, position, emission,
+    /// cascade and the voxel views are channels of it all the same.
+    bool render(const Camera& worldCamera, const std::function<bool()>& stop = {});
 
     /// The same, and how the indirect diffuse light of what this frame shows has changed since the last frame: the same
     /// surface points are gathered with the voxels of both. Without a frame before, nothing has.
     TemporalChange renderAndCompare(const Camera& worldCamera);
+
+    /// Draws the G-buffer alone, without voxels and light: its channels (albedo, normal, depth, position, emission) are
+    /// those that render() gives.
+    void drawSurfaces(const Camera& worldCamera);
 
     /// Reads a channel of the last frame back, linear float at output resolution; names as in capture/script.h.
     /// `cascade` is the colour of each surface's level, `seam` the step between two levels (frame/cascade_view.h).
@@ -79,6 +113,16 @@ class Renderer {
 
     /// Beauty through the tone curve, linear display-referred in [0,1].
     Image display();
+    /// The same on the device: RGBA32F, row 0 at the bottom, ready to be fetched.
+    gl::Texture displayTexture();
+
+    /// The diffuse cones of a pixel of the last frame, at the G-buffer's resolution (output times supersample), from
+    /// the upper left. No surface, no cones.
+    PixelCones inspect(int x, int y);
+
+    /// A slice of the voxels of the last frame, also if it was abandoned (VoxelSlicer); empty for a scene without
+    /// triangles.
+    VoxelSlice voxelSlice(int level, int axis, int depth);
 
     /// The steps between levels in the last frame, which are gathered anew.
     std::vector<SeamStep> seam();
@@ -98,6 +142,9 @@ class Renderer {
         std::string leftOut;  ///< why it is not allocated; empty when it is
     };
     std::vector<Level> levels() const;
+
+    /// Of the last frame, also if it was abandoned; a layout without levels for a scene without triangles.
+    ClipmapState clipmap() const;
 
     /// Forgets the voxels, so that the next frame builds them again: for timing and for determinism tests.
     void invalidate();

@@ -19,11 +19,15 @@ Sky skyOf(const gl::GpuEnvironment& environment) {
     return {environment.color, environment.panorama ? &environment.panorama : nullptr, environment.rotation};
 }
 
-Composite::Composite(const gl::ShaderLibrary& shaders, const GBuffer& gbuffer, const Sky& sky)
-    : beauty_(gl::Texture::create2D(GL_RGBA32F, gbuffer.width(), gbuffer.height())) {
+Composite::Composite(const gl::ShaderLibrary& shaders, const GBuffer& gbuffer, const Sky& sky) {
+    resize(gbuffer.width(), gbuffer.height());
     gl::Defines defines = gbuffer.defines();
     defines["SKY"] = std::to_string(sky.kind());
     program_ = shaders.compute("frame/composite.comp", defines);
+}
+
+void Composite::resize(int width, int height) {
+    beauty_ = gl::Texture::create2D(GL_RGBA32F, width, height);
 }
 
 void Composite::run(const GBuffer& gbuffer, const Sky& sky, const std::vector<const gl::Texture*>& layers,
@@ -51,11 +55,10 @@ Readout::Readout(const gl::ShaderLibrary& shaders)
     : mean_(shaders.compute("frame/downsample.comp")),
       toneMap_(shaders.compute("frame/downsample.comp", {{"TONE_MAP", "1"}})) {}
 
-Image Readout::run(gl::Program& program, const gl::Texture& source, int channels, int supersample) {
+gl::Texture Readout::run(gl::Program& program, const gl::Texture& source, int supersample) {
     VOXCONE_CHECK(supersample > 0 && source.width() % supersample == 0 && source.height() % supersample == 0,
                   "{}×{} by {}", source.width(), source.height(), supersample);
-    const gl::Texture output =
-        gl::Texture::create2D(GL_RGBA32F, source.width() / supersample, source.height() / supersample);
+    gl::Texture output = gl::Texture::create2D(GL_RGBA32F, source.width() / supersample, source.height() / supersample);
     // Passes that wrote `source` may have done so through an image.
     gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     source.bindTo(gl::kPassTextureUnit);
@@ -63,16 +66,21 @@ Image Readout::run(gl::Program& program, const gl::Texture& source, int channels
     program.set("u_supersample", supersample);
     output.bindImage(0, 0, GL_WRITE_ONLY);
     gl::dispatch(program, gl::groupsFor(output.width(), 8), gl::groupsFor(output.height(), 8), 1);
-    return imageFromTexture(output, channels);
+    gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    return output;
 }
 
 Image Readout::read(const gl::Texture& source, int channels, int supersample) {
-    return run(mean_, source, channels, supersample);
+    return imageFromTexture(run(mean_, source, supersample), channels);
+}
+
+gl::Texture Readout::displayTexture(const gl::Texture& beauty, ToneMap curve, int supersample) {
+    toneMap_.set("u_curve", static_cast<int>(curve));
+    return run(toneMap_, beauty, supersample);
 }
 
 Image Readout::display(const gl::Texture& beauty, ToneMap curve, int supersample) {
-    toneMap_.set("u_curve", static_cast<int>(curve));
-    return run(toneMap_, beauty, 3, supersample);
+    return imageFromTexture(displayTexture(beauty, curve, supersample), 3);
 }
 
 }  // namespace voxcone

@@ -24,6 +24,9 @@ class Composite {
     /// `sky` decides the variant; its kind must not change afterwards.
     Composite(const gl::ShaderLibrary& shaders, const GBuffer& gbuffer, const Sky& sky);
 
+    /// Another size of the G-buffer.
+    void resize(int width, int height);
+
     /// Pass "composite": beauty = (sum of `layers` + emission, or sky where nothing was hit) · 2^exposure. At most
     /// three layers of outgoing radiance (direct, indirect diffuse, indirect specular), all of the G-buffer's size.
     void run(const GBuffer& gbuffer, const Sky& sky, const std::vector<const gl::Texture*>& layers, double exposure,
@@ -46,9 +49,11 @@ class Readout {
     Image read(const gl::Texture& source, int channels, int supersample);
     /// The same through a tone curve (after the mean): linear display-referred in [0,1], three channels.
     Image display(const gl::Texture& beauty, ToneMap curve, int supersample);
+    /// What display() reads back, left on the device as RGBA32F and ready to be fetched.
+    gl::Texture displayTexture(const gl::Texture& beauty, ToneMap curve, int supersample);
 
   private:
-    Image run(gl::Program& program, const gl::Texture& source, int channels, int supersample);
+    gl::Texture run(gl::Program& program, const gl::Texture& source, int supersample);
     gl::Program mean_, toneMap_;
 };
 

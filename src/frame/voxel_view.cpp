@@ -8,11 +8,16 @@
 namespace voxcone {
 
 VoxelView::VoxelView(const gl::ShaderLibrary& shaders, const Voxels& voxels, int width, int height)
-    : program_(shaders.compute("frame/voxel_view.comp", {{"LAYERS", voxels.anyMoving() ? "2" : "1"}})),
-      picture_(gl::Texture::create2D(GL_RGBA32F, width, height)) {}
+    : program_(shaders.compute("frame/voxel_view.comp", {{"LAYERS", voxels.anyMoving() ? "2" : "1"}})) {
+    resize(width, height);
+}
+
+void VoxelView::resize(int width, int height) {
+    picture_ = gl::Texture::create2D(GL_RGBA32F, width, height);
+}
 
 void VoxelView::draw(const std::string& what, int level, const CameraView& view, const RadianceVolume& volume,
-                     const gl::Buffer& faceRadiance) {
+                     const gl::Buffer& faceRadiance, const VoxelViewOptions& options) {
     constexpr std::array kNames{"voxel_albedo", "voxel_normal", "voxel_radiance", "voxel_opacity"};
     const auto name = std::find(kNames.begin(), kNames.end(), what);
     VOXCONE_CHECK(name != kNames.end(), "no voxel view {}", what);
@@ -48,6 +53,10 @@ void VoxelView::draw(const std::string& what, int level, const CameraView& view,
     program_.set("u_boxHigh", std::span<const glm::vec3>(high));
     program_.set("u_inverseVoxelSize", static_cast<float>(1 / layout.voxelSize));
     program_.set("u_radianceScale", volume.scale);
+    program_.set("u_cut",
+                 glm::vec4(options.cutNormal,
+                           (options.cutOffset - glm::dot(options.cutNormal, voxels.origin)) / layout.voxelSize));
+    program_.set("u_edges", options.edges);
     program_.set("u_cameraPosition", view.position);
     program_.set("u_cameraRays", view.rays);
     // The picture of another kind may just have been fetched.

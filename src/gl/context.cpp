@@ -95,8 +95,11 @@ std::unique_ptr<Context> Context::createHeadless(bool debug) {
             return nullptr;
         }
         std::unique_ptr<Context> context(new Context);
-        context->display_ = display;
-        context->handle_ = handle;
+        context->makeCurrent_ = [display, made = handle](bool current) {
+            if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, current ? made : EGL_NO_CONTEXT)) return;
+            if (current) throw DeviceError("cannot make the OpenGL context current: " + eglErrorName(eglGetError()));
+        };
+        context->destroy_ = [display, made = handle] { eglDestroyContext(display, made); };
         context->debug_ = debug;
         context->readInfo(platform);
         context->listen();
@@ -134,15 +137,30 @@ std::unique_ptr<Context> Context::createHeadless(bool debug) {
     throw DeviceError("no OpenGL 4.3 core device; tried " + tried);
 }
 
+std::unique_ptr<Context> Context::adopt(std::function<void(bool)> makeCurrent, const std::string& platform,
+                                        bool debug) {
+    std::unique_ptr<Context> context(new Context);
+    context->makeCurrent_ = std::move(makeCurrent);
+    context->debug_ = debug;
+    context->makeCurrent();
+    GLint profile = 0;
+    if (epoxy_gl_version() >= 32) glGetIntegerv(GL_CONTEXT_PROFILE_MASK, &profile);
+    if (epoxy_gl_version() < 43 || (profile & GL_CONTEXT_CORE_PROFILE_BIT) == 0)
+        throw DeviceError(fmt::format("no OpenGL 4.3 core device; {} is {}", platform, glString(GL_VERSION)));
+    context->readInfo(platform);
+    context->listen();
+    return context;
+}
+
 Context::~Context() {
-    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    eglDestroyContext(display_, handle_);
+    // The driver must not call back into what is gone, if the context lives on.
+    if (!destroy_) glDebugMessageCallback(nullptr, nullptr);
+    makeCurrent_(false);
+    if (destroy_) destroy_();
 }
 
 void Context::makeCurrent() {
-    if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, handle_)) {
-        throw DeviceError("cannot make the OpenGL context current: " + eglErrorName(eglGetError()));
-    }
+    makeCurrent_(true);
 }
 
 void Context::readInfo(const std::string& platform) {

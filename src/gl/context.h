@@ -1,7 +1,8 @@
-// An OpenGL 4.3 core context without a display, what the device can do, and the debug messages it sends.
+// An OpenGL 4.3 core context, without a display or a window's; what the device can do, and the debug messages it sends.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -33,13 +34,19 @@ struct DeviceInfo {
     int maxDrawBuffers = 0;
 };
 
-/// Owns one context. Lives on the thread that made it current.
+/// One context. Lives on the thread that made it current.
 class Context {
   public:
     /// Tries the EGL surfaceless platform, then every EGL device. `debug` asks for a debug context whose messages come
     /// synchronously and whose errors `checkErrors` throws; without it they are logged. The context is current on
     /// return. Throws DeviceError with all that was tried when there is no OpenGL 4.3 core.
     static std::unique_ptr<Context> createHeadless(bool debug);
+
+    /// A context that something else has made and owns, such as a window. `makeCurrent` makes it current on the calling
+    /// thread, or, given false, none; both outlive the Context, which is released when it goes. `platform` is for
+    /// info(). The context is current on return. Throws DeviceError when it is not OpenGL 4.3 core.
+    static std::unique_ptr<Context> adopt(std::function<void(bool)> makeCurrent, const std::string& platform,
+                                          bool debug);
 
     ~Context();
     Context(const Context&) = delete;
@@ -57,8 +64,8 @@ class Context {
     void listen();
     void onMessage(const std::string& text);
 
-    void* display_ = nullptr;
-    void* handle_ = nullptr;
+    std::function<void(bool)> makeCurrent_;  ///< false: none is current on this thread
+    std::function<void()> destroy_;          ///< empty for an adopted context
     bool debug_ = false;
     DeviceInfo info_;
     std::mutex mutex_;  ///< drivers may call back from their own threads

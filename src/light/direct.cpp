@@ -3,8 +3,13 @@
 namespace voxcone {
 
 DirectPass::DirectPass(const gl::ShaderLibrary& shaders, const gl::Defines& gbufferDefines, int width, int height)
-    : program_(shaders.compute("light/direct.comp", gbufferDefines)),
-      texture_(gl::Texture::create2D(GL_RGBA32F, width, height)) {}
+    : program_(shaders.compute("light/direct.comp", gbufferDefines)) {
+    resize(width, height);
+}
+
+void DirectPass::resize(int width, int height) {
+    texture_ = gl::Texture::create2D(GL_RGBA32F, width, height);
+}
 
 void DirectPass::run(const ShadowMaps& maps, const std::function<void(gl::Program&)>& bindGBuffer,
                      gl::PassTimers& timers) {

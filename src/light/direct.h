@@ -22,6 +22,9 @@ class DirectPass {
     /// for this pass. On return texture() may be sampled or loaded.
     void run(const ShadowMaps& maps, const std::function<void(gl::Program&)>& bindGBuffer, gl::PassTimers& timers);
 
+    /// Another size of the G-buffer.
+    void resize(int width, int height);
+
     /// Radiance towards the eye in W/(m² sr), diffuse and specular together; black background. RGBA32F: the sum with
     /// what else reaches the eye is stored once more, and highlights may exceed the range of a half.
     const gl::Texture& texture() const { return texture_; }

@@ -1,0 +1,805 @@
+#include "viewer/panels.h"
+
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace voxcone {
+namespace {
+
+const ImVec4 kDim{0.6f, 0.6f, 0.6f, 1}, kChanged{1, 0.75f, 0.25f, 1}, kError{1, 0.45f, 0.4f, 1};
+
+/// Dear ImGui's format strings are not ours to fill.
+void text(const std::string& line) {
+    ImGui::TextUnformatted(line.c_str(), line.c_str() + line.size());
+}
+
+void dim(const std::string& line) {
+    ImGui::PushStyleColor(ImGuiCol_Text, kDim);
+    ImGui::PushTextWrapPos(0);
+    text(line);
+    ImGui::PopTextWrapPos();
+    ImGui::PopStyleColor();
+}
+
+void tip(const std::string& line) {
+    if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(26 * ImGui::GetFontSize());
+    text(line);
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+}
+
+std::string megabytes(std::uint64_t bytes) {
+    return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
+}
+
+// ---- Scene
+
+constexpr std::array kLightTypes = {"directional", "point", "spot", "sphere", "rectangle"};
+
+void drawLight(Session& session, std::size_t index) {
+    Light& light = session.lights[index];
+    const std::string label = fmt::format("{} ({}{})", light.name, kLightTypes[static_cast<std::size_t>(light.type)],
+                                          light.extracted ? ", extracted" : "");
+    ImGui::PushID(static_cast<int>(index));
+    if (ImGui::TreeNode("##light", "%s", label.c_str())) {
+        const bool animated = !light.track.position.empty() || !light.track.direction.empty() ||
+                              !light.track.intensity.empty() || light.extracted;
+        ImGui::BeginDisabled(animated);
+        const double extent = glm::length(session.facts->bounds.size());
+        if (light.type != LightType::directional)
+            ImGui::DragScalarN("position", ImGuiDataType_Double, &light.position.x, 3,
+                               static_cast<float>(std::max(extent, 1e-9) * 1e-3), nullptr, nullptr, "%.4g");
+        if (light.type == LightType::directional || light.type == LightType::spot) {
+            // Height and bearing of where the light comes from.
+            double height = glm::degrees(std::asin(std::clamp(-light.direction.y, -1.0, 1.0)));
+            double bearing = glm::degrees(std::atan2(-light.direction.x, -light.direction.z));
+            const double low = -89.9, high = 89.9, west = -180, east = 180;
+            bool turned = ImGui::SliderScalar("height", ImGuiDataType_Double, &height, &low, &high, "%.1f deg");
+            turned |= ImGui::SliderScalar("bearing", ImGuiDataType_Double, &bearing, &west, &east, "%.1f deg");
+            if (turned) {
+                const double h = glm::radians(height), b = glm::radians(bearing);
+                light.direction =
+                    glm::normalize(-glm::dvec3(std::cos(h) * std::sin(b), std::sin(h), std::cos(h) * std::cos(b)));
+            }
+        }
+        ImGui::DragFloat3("intensity", &light.intensity.x,
+                          0.01f * std::max(0.1f, std::max({light.intensity.x, light.intensity.y, light.intensity.z})),
+                          0, 1e9f, "%.4g");
+        ImGui::EndDisabled();
+        if (animated) dim(light.extracted ? "stands for a part of the panorama or for an emitting mesh" : "animated");
+        ImGui::TreePop();
+    }
+    ImGui::PopID();
+}
+
+void drawNode(const Scene& scene, const std::vector<std::vector<int>>& children, int node) {
+    const Node& n = scene.nodes[static_cast<std::size_t>(node)];
+    const auto& below = children[static_cast<std::size_t>(node)];
+    const auto flags = below.empty() ? ImGuiTreeNodeFlags_Leaf : ImGuiTreeNodeFlags_None;
+    if (ImGui::TreeNodeEx(reinterpret_cast<void*>(static_cast<std::intptr_t>(node + 1)), flags, "%s",
+                          n.name.empty() ? fmt::format("node {}", node).c_str() : n.name.c_str())) {
+        for (const int child : below) drawNode(scene, children, child);
+        ImGui::TreePop();
+    }
+}
+
+void drawScenePanel(Session& session) {
+    const SceneFacts& facts = *session.facts;
+    const Scene& scene = facts.outline;
+    text(facts.file.filename().string());
+    const glm::dvec3 size = facts.bounds.size();
+    dim(fmt::format("{} triangles, {:.4g} x {:.4g} x {:.4g} m", facts.triangles, size.x, size.y, size.z));
+    if (ImGui::TreeNodeEx("cameras", ImGuiTreeNodeFlags_DefaultOpen)) {
+        for (std::size_t i = 0; i < facts.shots.size(); ++i) {
+            ImGui::PushID(static_cast<int>(i));
+            if (ImGui::Selectable(("shot " + facts.shots[i].name).c_str(), session.shot == static_cast<int>(i)))
+                session.takeShot(static_cast<int>(i));
+            ImGui::PopID();
+        }
+        for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
+            ImGui::PushID(static_cast<int>(i + 10000));
+            if (ImGui::Selectable(("camera " + scene.cameras[i].name).c_str())) session.takeCamera(scene.cameras[i]);
+            ImGui::PopID();
+        }
+        ImGui::TreePop();
+    }
+    if (ImGui::TreeNode("lights", "lights (%d)", static_cast<int>(session.lights.size()))) {
+        ImGui::Checkbox("handles in the picture", &session.showLights);
+        tip("drag a light, or one of its axes (G)");
+        for (std::size_t i = 0; i < session.lights.size(); ++i) drawLight(session, i);
+        ImGui::TreePop();
+    }
+    if (ImGui::TreeNode("materials", "materials (%d)", static_cast<int>(scene.materials.size()))) {
+        for (const Material& m : scene.materials) {
+            const ImVec4 color(m.baseColor.x, m.baseColor.y, m.baseColor.z, 1);
+            ImGui::PushID(&m);
+            ImGui::ColorButton("##color", color, ImGuiColorEditFlags_NoTooltip);
+            ImGui::SameLine();
+            text(m.name.empty() ? "unnamed" : m.name);
+            tip(fmt::format("metallic {:.3g}, roughness {:.3g}{}{}{}{}", m.metallic, m.roughness,
+                            m.emits() ? ", emits" : "", m.transmits() ? ", transmits" : "", m.unlit ? ", unlit" : "",
+                            scene.isLeaves(m) ? ", leaves" : ""));
+            ImGui::PopID();
+        }
+        ImGui::TreePop();
+    }
+    if (ImGui::TreeNode("nodes", "nodes (%d)", static_cast<int>(scene.nodes.size()))) {
+        std::vector<std::vector<int>> children(scene.nodes.size());
+        for (std::size_t i = 0; i < scene.nodes.size(); ++i)
+            if (scene.nodes[i].parent >= 0)
+                children[static_cast<std::size_t>(scene.nodes[i].parent)].push_back(static_cast<int>(i));
+        for (std::size_t i = 0; i < scene.nodes.size(); ++i)
+            if (scene.nodes[i].parent < 0) drawNode(scene, children, static_cast<int>(i));
+        ImGui::TreePop();
+    }
+    if (facts.duration > 0) {
+        ImGui::Checkbox("play", &session.playing);
+        ImGui::SameLine();
+        const double zero = 0;
+        ImGui::SetNextItemWidth(-1);
+        ImGui::SliderScalar("##time", ImGuiDataType_Double, &session.time, &zero, &facts.duration, "%.3f s");
+        const Shot& shot = facts.shots[static_cast<std::size_t>(session.shot)];
+        if (!shot.path.empty() || shot.camera.node >= 0)
+            ImGui::Checkbox("camera follows the shot", &session.followShot);
+    }
+}
+
+// ---- View
+
+void drawViewPanel(Session& session) {
+    if (ImGui::BeginCombo("channel", session.channel.c_str())) {
+        for (const std::string& name : channelNames())
+            if (ImGui::Selectable(name.c_str(), name == session.channel)) session.channel = name;
+        ImGui::EndCombo();
+    }
+    const Camera c = session.camera.camera();
+    double fov = c.verticalFovDeg;
+    const double low = 1, high = 170;
+    if (ImGui::SliderScalar("field of view", ImGuiDataType_Double, &fov, &low, &high, "%.1f deg"))
+        session.camera.fieldOfView(fov);
+    dim(fmt::format("eye {:.4g} {:.4g} {:.4g}\ntarget {:.4g} {:.4g} {:.4g}", c.position.x, c.position.y, c.position.z,
+                    c.target.x, c.target.y, c.target.z));
+    ImGui::Checkbox("picture follows the window", &session.followWindow);
+    tip("output.width and output.height are those of the place in the window");
+    if (ImGui::Button("all of the scene")) session.frameScene();
+    for (std::size_t i = 0; i < session.views.size(); ++i) {
+        ImGui::PushID(static_cast<int>(i));
+        if (ImGui::Button("go")) session.recallView(session.views[i]);
+        ImGui::SameLine();
+        const bool remove = ImGui::Button("x");
+        ImGui::SameLine();
+        const SavedView& v = session.views[i];
+        text(v.path.empty() ? fmt::format("{}: {}", v.name, v.channel)
+                            : fmt::format("{}: {}, {} frames", v.name, v.channel, v.frames()));
+        ImGui::PopID();
+        if (remove) {
+            session.views.erase(session.views.begin() + static_cast<std::ptrdiff_t>(i));
+            break;
+        }
+    }
+}
+
+// ---- Settings
+
+/// A control for one field. Answers whether it changed.
+bool control(const Field& field) {
+    const char* id = "##value";
+    if (auto* const* flag = std::get_if<bool*>(&field.value)) return ImGui::Checkbox(id, *flag);
+    if (const auto* choice = std::get_if<Field::Choice>(&field.value)) {
+        bool changed = false;
+        const auto now = static_cast<std::size_t>(choice->get());
+        if (ImGui::BeginCombo(id, choice->names[now].c_str())) {
+            for (std::size_t i = 0; i < choice->names.size(); ++i) {
+                if (!ImGui::Selectable(choice->names[i].c_str(), i == now) || i == now) continue;
+                choice->set(static_cast<int>(i));
+                changed = true;
+            }
+            ImGui::EndCombo();
+        }
+        return changed;
+    }
+    if (auto* const* number = std::get_if<double*>(&field.value)) {
+        const double range = field.max - field.min;
+        // Wide ranges are passed by ratios, not by steps.
+        const auto flags =
+            ImGuiSliderFlags_AlwaysClamp | (range > 1000 ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None);
+        const auto speed = static_cast<float>(range > 1000 ? 0.01 : range / 400);
+        return ImGui::DragScalar(id, ImGuiDataType_Double, *number, speed, &field.min, &field.max, "%.4g", flags);
+    }
+    int* value = std::get<int*>(field.value);
+    if (!field.allowed.empty()) {
+        bool changed = false;
+        if (ImGui::BeginCombo(id, fmt::format("{}", *value).c_str())) {
+            for (const int allowed : field.allowed) {
+                if (!ImGui::Selectable(fmt::format("{}", allowed).c_str(), allowed == *value) || allowed == *value)
+                    continue;
+                *value = allowed;
+                changed = true;
+            }
+            ImGui::EndCombo();
+        }
+        return changed;
+    }
+    const int min = static_cast<int>(field.min), max = static_cast<int>(field.max);
+    const auto speed = static_cast<float>(std::clamp((field.max - field.min) / 400, 0.05, 4.0));
+    return ImGui::DragScalar(id, ImGuiDataType_S32, value, speed, &min, &max, "%d", ImGuiSliderFlags_AlwaysClamp);
+}
+
+std::string rangeText(const Field& field) {
+    if (std::holds_alternative<bool*>(field.value) || std::holds_alternative<Field::Choice>(field.value)) return "";
+    if (!field.allowed.empty()) return "";
+    return fmt::format("\n{} to {} {}", field.min, field.max, field.unit);
+}
+
+void drawSettingsPanel(Session& session) {
+    ImGui::BeginDisabled(!session.settings.canUndo());
+    if (ImGui::Button("undo")) session.undo();
+    ImGui::EndDisabled();
+    if (session.settings.canUndo()) tip(session.settings.undoName() + "  (Ctrl+Z)");
+    ImGui::SameLine();
+    ImGui::BeginDisabled(!session.settings.canRedo());
+    if (ImGui::Button("redo")) session.redo();
+    ImGui::EndDisabled();
+    if (session.settings.canRedo()) tip(session.settings.redoName() + "  (Ctrl+Y)");
+    ImGui::SameLine();
+    if (ImGui::Button("reset all")) session.settings.change(session.settings.base(), "reset all");
+    tip("all settings as the file was opened with");
+    std::string& name = session.presetName;
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::BeginCombo("##preset", "load preset")) {
+        for (const std::string& preset : presetNames())
+            if (ImGui::Selectable(preset.c_str())) session.applyPresetByName(preset);
+        ImGui::EndCombo();
+    }
+    ImGui::InputTextWithHint("##name", "name, or file.json", &name);
+    ImGui::SameLine();
+    if (ImGui::Button("save") && !name.empty()) session.savePreset(name);
+    ImGui::SameLine();
+    if (ImGui::Button("load") && !name.empty()) session.applyPresetByName(name);
+    ImGui::SetNextItemWidth(-1);
+    ImGui::InputTextWithHint("##filter", "show those with ...", &session.settingsFilter);
+    drawSettings(session);
+}
+
+// ---- Figures
+
+void drawFiguresPanel(Session& session) {
+    if (!session.picture || session.picture->surfaces) return dim("no picture yet");
+    const Picture& p = *session.picture;
+    const Settings::Output& output = p.view.settings.output;
+    const int n = p.finished ? output.supersample * output.supersample : 1;
+    text(fmt::format("{} x {}{}", output.width, output.height,
+                     p.finished ? "" : fmt::format(", shown at 1/{}", p.divisor)));
+    dim(fmt::format("{} sample{} a pixel; {} cones diffuse", n, n == 1 ? "" : "s", p.view.settings.cone.diffuse));
+    dim(fmt::format("{:.1f} ms on the device (timer: {}), {:.1f} ms in all", p.stats.frameMilliseconds, p.stats.timer,
+                    p.milliseconds));
+    const float width = ImGui::GetContentRegionAvail().x;
+    const auto plot = [&](const char* id, const std::deque<float>& values, float height) {
+        const std::vector<float> flat(values.begin(), values.end());
+        ImGui::PlotLines(id, flat.data(), static_cast<int>(flat.size()), 0, nullptr, 0, FLT_MAX, ImVec2(-1, height));
+    };
+    plot("##frame", session.history.frame, 2.5f * ImGui::GetFontSize());
+    tip("milliseconds of the last frames");
+    if (ImGui::BeginTable("passes", 3, ImGuiTableFlags_SizingFixedFit)) {
+        ImGui::TableSetupColumn("pass", ImGuiTableColumnFlags_WidthFixed, 0.5f * width);
+        ImGui::TableSetupColumn("ms");
+        ImGui::TableSetupColumn("history", ImGuiTableColumnFlags_WidthStretch);
+        for (const auto& [name, values] : session.history.passes) {
+            ImGui::TableNextRow();
+            ImGui::TableNextColumn();
+            text(name);
+            ImGui::TableNextColumn();
+            text(fmt::format("{:7.1f}", values.empty() ? 0.0f : values.back()));
+            ImGui::TableNextColumn();
+            plot(("##" + name).c_str(), values, 0);
+        }
+        ImGui::EndTable();
+    }
+    if (ImGui::TreeNodeEx("memory", ImGuiTreeNodeFlags_DefaultOpen)) {
+        std::uint64_t sum = 0;
+        for (const FrameStats::Memory& item : p.stats.memory) {
+            text(fmt::format("{:>10}  {}", megabytes(item.bytes), item.name));
+            sum += item.bytes;
+        }
+        text(fmt::format("{:>10}  in all", megabytes(sum)));
+        ImGui::TreePop();
+    }
+    if (ImGui::TreeNodeEx("counts", ImGuiTreeNodeFlags_DefaultOpen)) {
+        for (const auto& [name, count] : p.stats.counts) text(fmt::format("{:>10}  {}", count, name));
+        ImGui::TreePop();
+    }
+    if (ImGui::TreeNodeEx("not modelled", ImGuiTreeNodeFlags_DefaultOpen)) {
+        for (const LeftOut& item : p.leftOut) dim(fmt::format("{}: {}", item.what, item.why));
+        for (const Renderer::Level& l : p.levels)
+            if (!l.leftOut.empty()) dim(fmt::format("level {}: {}", l.level, l.leftOut));
+        if (p.leftOut.empty()) dim("nothing is left out");
+        ImGui::TreePop();
+    }
+    if (ImGui::TreeNode("scene and device")) {
+        dim(session.facts->description);
+        ImGui::TreePop();
+    }
+}
+
+// ---- Clipmap
+
+void drawClipmapPanel(Session& session) {
+    bool frozen = session.frozen();
+    if (ImGui::Checkbox("frozen", &frozen)) session.freeze(frozen);
+    tip("the clipmap stays where it is while the camera flies on (C)");
+    ImGui::SameLine();
+    if (ImGui::Button("step")) session.stepClipmap();
+    tip("moves the frozen clipmap by one snap towards the camera (N)");
+    ImGui::Checkbox("boxes of levels", &session.showLevels);
+    ImGui::SameLine();
+    ImGui::Checkbox("snap grid", &session.showSnapGrid);
+    ImGui::Checkbox("flash what is voxelized", &session.showUpdates);
+    const bool overlay = session.channel == "cascade";
+    if (ImGui::Button(overlay ? "back to beauty" : "levels and blend weights"))
+        session.channel = overlay ? "beauty" : "cascade";
+    ImGui::SameLine();
+    const bool seam = session.channel == "seam";
+    if (ImGui::Button(seam ? "back to beauty##seam" : "seams")) session.channel = seam ? "beauty" : "seam";
+    tip("the step in diffuse light where levels blend");
+    if (!session.picture || session.picture->clipmap.layout.levels == 0) return dim("no voxels");
+    const Picture& p = *session.picture;
+    const ClipmapLayout& layout = p.clipmap.layout;
+    for (const Renderer::Level& l : p.levels) {
+        if (!l.leftOut.empty()) continue;
+        const auto i = static_cast<std::size_t>(l.level);
+        ImGui::PushID(l.level);
+        ImGui::PushStyleColor(ImGuiCol_Text, levelColor(l.mip ? 7 : l.level));
+        const std::string label = fmt::format("{} {}: {}^3 of {:.4g} m, {:.4g} m wide{}", l.mip ? "mip" : "level",
+                                              l.level, l.resolution, l.voxelSize, l.size,
+                                              l.mip     ? ""
+                                              : l.moves ? ", moves"
+                                                        : ", stays");
+        if (!l.mip && i < session.levelShown.size()) {
+            bool shown = session.levelShown[i] != 0;
+            if (ImGui::Checkbox(label.c_str(), &shown)) session.levelShown[i] = shown ? 1 : 0;
+        } else {
+            text(label);
+        }
+        ImGui::PopStyleColor();
+        const std::string count =
+            l.mip ? fmt::format("mip_{}_voxels", l.level - layout.levels + 1) : fmt::format("level_{}_voxels", l.level);
+        const auto records = p.stats.counts.find(count);
+        const VoxelBox& window = p.clipmap.update.windows[i];
+        dim(fmt::format("  {} surface voxels of {} ({:.2f} %), {}, from ({}, {}, {})",
+                        records == p.stats.counts.end() ? 0 : records->second, window.volume(),
+                        100.0 * static_cast<double>(records == p.stats.counts.end() ? 0 : records->second) /
+                            static_cast<double>(std::max(1LL, window.volume())),
+                        megabytes(l.volumeBytes), window.low.x, window.low.y, window.low.z));
+        if (!l.mip && i < session.history.voxels.size()) {
+            const auto& values = session.history.voxels[i];
+            const std::vector<float> flat(values.begin(), values.end());
+            ImGui::PlotHistogram("##updates", flat.data(), static_cast<int>(flat.size()), 0, nullptr, 0, FLT_MAX,
+                                 ImVec2(-1, 1.6f * ImGui::GetFontSize()));
+            tip("voxels of this level that each of the last frames voxelized");
+        }
+        ImGui::PopID();
+    }
+    const FrameStats& last = session.history.lastUpdate;
+    if (last.counts.empty()) return;
+    std::string line = fmt::format("last update: {} triangles drawn, {} records made, {} levels wait",
+                                   last.counts.at("voxel_triangles_drawn"), last.counts.at("voxel_records_made"),
+                                   last.counts.at("levels_waiting"));
+    for (const FrameStats::Pass& pass : last.passes)
+        if (pass.name.starts_with("voxelize") || pass.name.starts_with("light"))
+            line += fmt::format("; {} {:.1f} ms", pass.name, pass.milliseconds);
+    dim(line);
+}
+
+// ---- Voxels
+
+std::string faceText(const VoxelFace& face) {
+    return fmt::format(
+        "albedo {:.2f} {:.2f} {:.2f}, normal {:.2f} {:.2f} {:.2f}, radiance {:.3g} {:.3g} {:.3g}, "
+        "coverage {:.2f}",
+        face.albedo.x, face.albedo.y, face.albedo.z, face.normal.x, face.normal.y, face.normal.z, face.radiance.x,
+        face.radiance.y, face.radiance.z, face.coverage);
+}
+
+/// What the slice shows of a voxel, in the channel that is looked at.
+ImVec4 sliceColor(const VoxelFacts& voxel, const std::string& channel, float exposure) {
+    glm::vec3 sum(0);
+    float weight = 0;
+    for (const VoxelFace& face : voxel.faces) {
+        const glm::vec3 value = channel == "voxel_albedo"     ? face.albedo
+                                : channel == "voxel_normal"   ? 0.5f * face.normal + 0.5f
+                                : channel == "voxel_radiance" ? exposure * face.radiance
+                                                              : glm::vec3(face.coverage);
+        sum += face.coverage * value;
+        weight += face.coverage;
+    }
+    const glm::vec3 mean = weight > 0 ? sum / weight : glm::vec3(0);
+    const bool encoded = channel == "voxel_normal" || channel == "voxel_opacity";
+    const auto shown = [&](float v) { return encoded ? v : srgbFromLinear(std::clamp(v, 0.0f, 1.0f)); };
+    return {shown(mean.x), shown(mean.y), shown(mean.z), 1};
+}
+
+void drawSlice(Session& session) {
+    const ClipmapState& clipmap = session.picture->clipmap;
+    const int level = std::clamp(session.level, 0, clipmap.layout.count() - 1);
+    const int last = clipmap.layout.resolutionOf(level) - 1;
+    bool ask = session.slice == nullptr || session.slice->level != level || session.sliceStale();
+    constexpr std::array kAxes = {"across x", "across y", "across z"};
+    for (int axis = 0; axis < 3; ++axis) {
+        if (axis > 0) ImGui::SameLine();
+        ask |= ImGui::RadioButton(kAxes[static_cast<std::size_t>(axis)], &session.sliceAxis, axis);
+    }
+    if (!session.slice && !session.slicePending()) session.sliceDepth = last / 2;
+    session.sliceDepth = std::clamp(session.sliceDepth, 0, last);
+    ask |= ImGui::SliderInt("depth", &session.sliceDepth, 0, last);
+    if (ask && !session.slicePending()) session.askSlice();
+    if (!session.slice || session.slice->width == 0) return;
+    const VoxelSlice& slice = *session.slice;
+    const float edge = std::max(1.0f, std::floor(ImGui::GetContentRegionAvail().x / static_cast<float>(slice.width)));
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const ImVec2 size(edge * static_cast<float>(slice.width), edge * static_cast<float>(slice.height));
+    ImGui::InvisibleButton("slice", size);
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    list.AddRectFilled(corner, ImVec2(corner.x + size.x, corner.y + size.y), 0xff181818);
+    const auto exposure = static_cast<float>(std::exp2(session.settings.now().output.exposure));
+    std::array<float, 20> histogram{};
+    int occupied = 0;
+    for (int v = 0; v < slice.height; ++v) {
+        for (int u = 0; u < slice.width; ++u) {
+            const VoxelFacts& voxel = slice.at(u, v);
+            if (!voxel.occupied) continue;
+            ++occupied;
+            const auto bin = static_cast<std::size_t>(std::clamp(20 * voxel.opacity(), 0.0f, 19.0f));
+            ++histogram[bin];
+            // v grows upwards.
+            const ImVec2 low(corner.x + edge * static_cast<float>(u),
+                             corner.y + edge * static_cast<float>(slice.height - 1 - v));
+            list.AddRectFilled(low, ImVec2(low.x + edge, low.y + edge),
+                               ImGui::ColorConvertFloat4ToU32(sliceColor(voxel, session.channel, exposure)));
+        }
+    }
+    if (ImGui::IsItemHovered()) {
+        const ImVec2 mouse = ImGui::GetIO().MousePos;
+        const int u = std::clamp(static_cast<int>((mouse.x - corner.x) / edge), 0, slice.width - 1);
+        const int v = std::clamp(slice.height - 1 - static_cast<int>((mouse.y - corner.y) / edge), 0, slice.height - 1);
+        const glm::ivec3 index = slice.index(u, v);
+        const glm::dvec3 centre = slice.origin + slice.voxelSize * (glm::dvec3(index) + 0.5);
+        ImGui::BeginTooltip();
+        text(fmt::format("voxel ({}, {}, {}) of level {} at {:.4g} {:.4g} {:.4g} m", index.x, index.y, index.z,
+                         slice.level, centre.x, centre.y, centre.z));
+        constexpr std::array kFaces = {"+x", "-x", "+y", "-y", "+z", "-z"};
+        const VoxelFacts& voxel = slice.at(u, v);
+        if (!voxel.occupied) text("empty");
+        for (std::size_t f = 0; f < 6; ++f)
+            if (voxel.faces[f].coverage > 0) text(fmt::format("{}: {}", kFaces[f], faceText(voxel.faces[f])));
+        ImGui::EndTooltip();
+    }
+    ImGui::PlotHistogram("##occupancy", histogram.data(), static_cast<int>(histogram.size()), 0, "opacity, 0 to 1", 0,
+                         FLT_MAX, ImVec2(-1, 3 * ImGui::GetFontSize()));
+    dim(fmt::format("{} of {} voxels of the slice are occupied; histogram of their fullest faces' coverage", occupied,
+                    slice.width * slice.height));
+}
+
+void drawVoxelPanel(Session& session) {
+    constexpr std::array kViews = {"voxel_albedo", "voxel_normal", "voxel_radiance", "voxel_opacity"};
+    if (ImGui::RadioButton("off", !session.channel.starts_with("voxel_"))) session.channel = "beauty";
+    for (const char* name : kViews) {
+        ImGui::SameLine();
+        if (ImGui::RadioButton(name + 6, session.channel == name)) session.channel = name;
+    }
+    const int count = session.picture ? std::max(session.picture->clipmap.layout.count(), 1) : 1;
+    ImGui::SliderInt("level", &session.level, -1, count - 1,
+                     session.level < 0                                                            ? "as cones read"
+                     : session.picture && session.level >= session.picture->clipmap.layout.levels ? "%d (mip)"
+                                                                                                  : "%d");
+    session.level = std::min(session.level, count - 1);
+    ImGui::Checkbox("edges", &session.voxels.edges);
+    ImGui::SameLine();
+    auto share = static_cast<float>(session.triangles);
+    if (ImGui::SliderFloat("triangles", &share, 0, 1, "%.2f")) session.triangles = static_cast<double>(share);
+    tip("share of the picture of the triangles that is mixed in");
+    constexpr std::array kAxes = {"no cut", "cut x", "cut y", "cut z"};
+    for (int axis = -1; axis < 3; ++axis) {
+        if (axis >= 0) ImGui::SameLine();
+        ImGui::RadioButton(kAxes[static_cast<std::size_t>(axis + 1)], &session.cutAxis, axis);
+    }
+    if (session.cutAxis >= 0) {
+        const double zero = 0, one = 1;
+        ImGui::SliderScalar("place", ImGuiDataType_Double, &session.cutPlace, &zero, &one, "%.3f");
+        ImGui::SameLine();
+        ImGui::Checkbox("flip", &session.cutFlipped);
+    }
+    ImGui::Checkbox("slice", &session.sliceShown);
+    if (!session.sliceShown || !session.picture || session.picture->clipmap.layout.levels == 0) return;
+    drawSlice(session);
+}
+
+// ---- Inspector
+
+/// Transmittance, radiance and level along a cone.
+void plotCone(const InspectedCone& cone) {
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const ImVec2 size(ImGui::GetContentRegionAvail().x, 8 * ImGui::GetFontSize());
+    ImGui::InvisibleButton("plot", size);
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    list.AddRectFilled(corner, ImVec2(corner.x + size.x, corner.y + size.y), 0xff181818);
+    if (cone.samples.empty()) return;
+    const double longest = std::max(cone.samples.back().distance, 1e-9);
+    double brightest = 1e-12, coarsest = 1;
+    const auto mean = [](const glm::vec3& c) { return static_cast<double>(c.x + c.y + c.z) / 3; };
+    for (const ConeSample& s : cone.samples) {
+        brightest = std::max(brightest, mean(s.radiance));
+        coarsest = std::max(coarsest, s.level);
+    }
+    const auto at = [&](double distance, double height) {
+        return ImVec2(corner.x + static_cast<float>(distance / longest) * size.x,
+                      corner.y + static_cast<float>(1 - std::clamp(height, 0.0, 1.0)) * (size.y - 4) + 2);
+    };
+    ImVec2 clear = at(0, 1), bright = at(0, 0);
+    for (const ConeSample& s : cone.samples) {
+        const float x = at(s.distance, 0).x;
+        list.AddLine(ImVec2(x, corner.y + size.y), ImVec2(x, at(0, 0.9 * s.level / coarsest + 0.02).y),
+                     levelColor(static_cast<int>(std::lround(s.level)), 0.7f), s.length > 0 ? 2.0f : 1.0f);
+        const ImVec2 t = at(s.distance, s.transmittance), r = at(s.distance, mean(s.radiance) / brightest);
+        list.AddLine(clear, t, 0xffffffff, 1.5f);
+        list.AddLine(bright, r, 0xff40d0ff, 1.5f);
+        clear = t, bright = r;
+    }
+    if (ImGui::IsItemHovered()) {
+        const double distance = static_cast<double>((ImGui::GetIO().MousePos.x - corner.x) / size.x) * longest;
+        const auto nearest =
+            std::min_element(cone.samples.begin(), cone.samples.end(), [&](const ConeSample& a, const ConeSample& b) {
+                return std::abs(a.distance - distance) < std::abs(b.distance - distance);
+            });
+        tip(fmt::format("{:.4g} m: level {:.2f}, {}, transmittance {:.4f}, radiance so far {:.4g} {:.4g} {:.4g}",
+                        nearest->distance, nearest->level,
+                        nearest->length > 0 ? fmt::format("segment of {:.4g} m", nearest->length) : "a plane",
+                        nearest->transmittance, nearest->radiance.x, nearest->radiance.y, nearest->radiance.z));
+    }
+    dim(
+        fmt::format("{} samples over {:.4g} m; white: transmittance, yellow: radiance up to {:.3g}, bars: level up to "
+                    "{:.1f}",
+                    cone.samples.size(), longest, brightest, coarsest));
+}
+
+void drawInspectorPanel(Session& session) {
+    ImGui::Checkbox("a click asks about a pixel", &session.inspecting);
+    tip("or I with the cursor over the picture");
+    if (!session.inspection) return dim("no pixel was asked about");
+    Inspection& asked = *session.inspection;
+    text(fmt::format("pixel ({}, {})", asked.pixel.x, asked.pixel.y));
+    ImGui::SameLine();
+    if (ImGui::SmallButton("copy as JSON")) ImGui::SetClipboardText(asked.json().c_str());
+    ImGui::SameLine();
+    if (ImGui::SmallButton("forget")) {
+        session.forgetInspection();
+        return;
+    }
+    if (ImGui::BeginTable("terms", 3, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_RowBg)) {
+        ImGui::TableSetupColumn("W/(m2 sr)", ImGuiTableColumnFlags_WidthFixed, 8.5f * ImGui::GetFontSize());
+        ImGui::TableSetupColumn("voxels");
+        ImGui::TableSetupColumn("path traced");
+        ImGui::TableHeadersRow();
+        for (const auto& [name, value] : asked.terms) {
+            ImGui::TableNextRow();
+            ImGui::TableNextColumn();
+            text(name);
+            ImGui::TableNextColumn();
+            text(fmt::format("{:.3g} {:.3g} {:.3g}", value.x, value.y, value.z));
+            ImGui::TableNextColumn();
+            const auto traced = asked.traced(name);
+            text(traced ? fmt::format("{:.3g} {:.3g} {:.3g}", traced->x, traced->y, traced->z) : "...");
+        }
+        ImGui::EndTable();
+    }
+    if (const auto traced = asked.tracer ? asked.tracer->picture() : nullptr)
+        dim(fmt::format("{} paths, error {:.2g} %{}", traced->samples, 100 * traced->error,
+                        asked.tracer->running() ? "" : ", done"));
+    if (!asked.cones.hit) return dim("the pixel shows no surface");
+    const glm::vec3 sum = asked.cones.radiance();
+    dim(fmt::format("its cones gather {:.4f} {:.4f} {:.4f} before neighbours are averaged and albedo is multiplied",
+                    sum.x, sum.y, sum.z));
+    const int last = static_cast<int>(asked.cones.cones.size()) - 1;
+    asked.selected = std::clamp(asked.selected, 0, last);
+    ImGui::SliderInt("cone", &asked.selected, 0, last);
+    ImGui::SameLine();
+    ImGui::Checkbox("alone", &asked.onlySelected);
+    const InspectedCone& cone = asked.cones.cones[static_cast<std::size_t>(asked.selected)];
+    const glm::vec3 total = cone.total();
+    dim(fmt::format(
+        "weight {:.4f}; voxels {:.4f} {:.4f} {:.4f} + {:.4f} x sky {:.4f} {:.4f} {:.4f} = {:.4f} {:.4f} {:.4f}",
+        cone.weight, cone.radiance.x, cone.radiance.y, cone.radiance.z, cone.transmittance, cone.sky.x, cone.sky.y,
+        cone.sky.z, total.x, total.y, total.z));
+    plotCone(cone);
+}
+
+// ---- Comparison
+
+void drawComparePanel(Session& session) {
+    if (ImGui::Button("hold this picture")) session.hold();
+    ImGui::SameLine();
+    if (ImGui::Button("path trace this view")) session.holdReference();
+    ImGui::InputTextWithHint("##file", "picture.exr", &session.heldName);
+    ImGui::SameLine();
+    if (ImGui::Button("hold file") && !session.heldName.empty()) session.holdFile(session.heldName);
+    if (!session.held) return dim(session.referenceTracer ? "tracing ..." : "nothing is held");
+    text("left: " + session.held->name);
+    ImGui::SameLine();
+    if (ImGui::SmallButton("release")) return session.releaseHeld();
+    auto split = static_cast<float>(session.split);
+    if (ImGui::SliderFloat("split", &split, 0, 1, "%.2f")) session.split = static_cast<double>(split);
+    if (!session.difference) return dim("figures come with a finished picture of the same size and channel");
+    const auto& [linear, display] = *session.difference;
+    text(fmt::format("relMSE {:.4g}, RMSE {:.4g}, bias {:+.2f} %", linear.relMse, linear.rmse,
+                     100 * linear.relativeBias));
+    text(fmt::format("FLIP {:.4f}, SSIM {:.4f}, PSNR {:.1f} dB", display.flip, display.ssim, display.psnr));
+    dim("of the right picture against the left one; FLIP, SSIM and PSNR of values clipped at 1");
+}
+
+// ---- Recording
+
+void drawRecordPanel(Session& session) {
+    if (ImGui::Button("save view")) session.saveView();
+    tip("Ctrl+1");
+    ImGui::SameLine();
+    if (session.recording ? ImGui::Button("stop") : ImGui::Button("record path")) {
+        if (session.recording) {
+            session.stopRecording();
+        } else {
+            session.startRecording();
+        }
+    }
+    tip("the camera's way from now on (R)");
+    ImGui::SameLine();
+    if (ImGui::Button("write script")) session.writeScript();
+    tip("all saved views and paths as a capture script; without any, the present view (Ctrl+S)");
+    if (ImGui::Button("screenshot")) session.screenshot();
+    tip("the finished picture as PNG and EXR (P)");
+    dim(fmt::format("{} saved; files go to {}", session.views.size(), session.folders.output.string()));
+}
+
+// ---- Messages
+
+void drawMessagePanel(Session& session) {
+    for (auto m = session.messages.rbegin(); m != session.messages.rend(); ++m) {
+        ImGui::PushTextWrapPos(0);
+        if (m->error) ImGui::PushStyleColor(ImGuiCol_Text, kError);
+        text(m->text);
+        if (m->error) ImGui::PopStyleColor();
+        ImGui::PopTextWrapPos();
+    }
+}
+
+}  // namespace
+
+std::uint32_t levelColor(int level, float alpha) {
+    // shaders/frame/cascade_view.comp, lightened so that lines are seen on dark ground.
+    constexpr std::array<std::array<float, 3>, 8> kColors = {{{0.95f, 0.25f, 0.25f},
+                                                              {0.95f, 0.6f, 0.15f},
+                                                              {0.3f, 0.8f, 0.3f},
+                                                              {0.2f, 0.8f, 0.8f},
+                                                              {0.35f, 0.45f, 1.0f},
+                                                              {0.65f, 0.35f, 0.95f},
+                                                              {0.95f, 0.3f, 0.8f},
+                                                              {0.9f, 0.9f, 0.9f}}};
+    const auto& c = kColors[static_cast<std::size_t>(std::clamp(level, 0, 7))];
+    return ImGui::ColorConvertFloat4ToU32(ImVec4(c[0], c[1], c[2], alpha));
+}
+
+std::set<std::string> drawSettings(Session& session) {
+    std::set<std::string> drawn;
+    Settings edited = session.settings.now();
+    const std::vector<Field> all = fields(edited);
+    const std::string& filter = session.settingsFilter;
+    std::string group;
+    bool open = false;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const Field& field = all[i];
+        const std::string head = field.key.substr(0, field.key.find('.'));
+        if (head != group) {
+            if (open) ImGui::TreePop();
+            group = head;
+            const auto matches = [&](const Field& f) {
+                return f.key.starts_with(head + ".") && f.key.find(filter) != std::string::npos;
+            };
+            open = false;
+            if (!filter.empty() && std::none_of(all.begin(), all.end(), matches)) continue;
+            if (!filter.empty()) ImGui::SetNextItemOpen(true);
+            open = ImGui::TreeNodeEx(group.c_str());
+        }
+        if (!open || field.key.find(filter) == std::string::npos) continue;
+        drawn.insert(field.key);
+        const bool changed = fieldDiffers(session.settings.now(), session.settings.base(), i);
+        ImGui::PushID(field.key.c_str());
+        if (changed) ImGui::PushStyleColor(ImGuiCol_Text, kChanged);
+        text((changed ? "* " : "  ") + field.key.substr(group.size() + 1));
+        if (changed) ImGui::PopStyleColor();
+        tip(field.meaning + rangeText(field));
+        ImGui::SameLine(12 * ImGui::GetFontSize());
+        ImGui::SetNextItemWidth(-3 * ImGui::GetFontSize());
+        const bool given = control(field);
+        tip(field.meaning + rangeText(field));
+        const bool held = ImGui::IsItemActive();
+        if (given) session.settings.change(edited, field.key, held);
+        if (ImGui::IsItemDeactivated()) session.settings.release();
+        ImGui::SameLine();
+        ImGui::BeginDisabled(!changed);
+        if (ImGui::SmallButton("reset")) {
+            Settings back = session.settings.now();
+            copyField(session.settings.base(), back, i);
+            session.settings.change(back, "reset " + field.key);
+        }
+        ImGui::EndDisabled();
+        ImGui::PopID();
+    }
+    if (open) ImGui::TreePop();
+    return drawn;
+}
+
+std::vector<Panel> makePanels() {
+    return {{"Scene", GLFW_KEY_F2, drawScenePanel, true},   {"View", GLFW_KEY_F3, drawViewPanel, true},
+            {"Settings", GLFW_KEY_F4, drawSettingsPanel},   {"Figures", GLFW_KEY_F6, drawFiguresPanel},
+            {"Clipmap", GLFW_KEY_F7, drawClipmapPanel},     {"Voxels", GLFW_KEY_F8, drawVoxelPanel},
+            {"Recording", GLFW_KEY_F9, drawRecordPanel},    {"Inspector", GLFW_KEY_F10, drawInspectorPanel},
+            {"Comparison", GLFW_KEY_F11, drawComparePanel}, {"Messages", GLFW_KEY_F12, drawMessagePanel}};
+}
+
+void drawHelp(bool& open) {
+    constexpr std::array<std::array<const char*, 2>, 31> kKeys = {{
+        {"left drag", "turn around the target"},
+        {"right drag", "look about"},
+        {"middle drag, Shift + left drag", "move sidewise"},
+        {"wheel", "towards the target and away; while flying: speed"},
+        {"W A S D, Q E", "fly; with Shift faster, with Ctrl slower"},
+        {"double click, F", "look at the surface under the cursor"},
+        {"Home", "all of the scene"},
+        {"1 to 9", "saved view"},
+        {"Ctrl + 1 to 9", "save the view"},
+        {"Space", "play and pause"},
+        {"B", "back to beauty"},
+        {"[ and ]", "channel before and after"},
+        {"C", "freeze the clipmap"},
+        {"N", "step the frozen clipmap by one snap"},
+        {"L", "boxes of levels"},
+        {"G", "handles of lights: drag one, or one of its axes"},
+        {"P", "screenshot"},
+        {"R", "record the camera's path"},
+        {"Ctrl + S", "write a capture script"},
+        {"Ctrl + O", "open by name"},
+        {"Ctrl + Z, Ctrl + Y", "undo and redo a setting"},
+        {"V", "vertical synchronisation"},
+        {"M", "picture follows the window"},
+        {"F5", "compile all shaders anew"},
+        {"I", "ask about the pixel under the cursor"},
+        {"H", "hold the picture to compare"},
+        {"F2 to F12 but F5", "panels"},
+        {"Tab", "side bar"},
+        {"F1", "this help"},
+        {"drop a file", "glTF, capture script, panorama"},
+        {"Ctrl + Q", "end"},
+    }};
+    ImGui::SetNextWindowPos(ImVec2(0.5f * ImGui::GetIO().DisplaySize.x, 0.5f * ImGui::GetIO().DisplaySize.y),
+                            ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
+    if (ImGui::Begin("Keys and mouse", &open, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings)) {
+        if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg)) {
+            for (const auto& row : kKeys) {
+                ImGui::TableNextRow();
+                ImGui::TableNextColumn();
+                ImGui::TextUnformatted(row[0]);
+                ImGui::TableNextColumn();
+                ImGui::TextUnformatted(row[1]);
+            }
+            ImGui::EndTable();
+        }
+    }
+    ImGui::End();
+}
+
+}  // namespace voxcone

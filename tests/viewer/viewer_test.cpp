@@ -1,0 +1,761 @@
+// The window, driven by the events that GLFW would send: on a display, with a small scene.
+#include "viewer/viewer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+// After the loader of OpenGL's functions.
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "capture/capture.h"
+#include "gl/context.h"
+
+namespace voxcone {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+/// Three levels around a camera near the cube, small and quick.
+json basicScript() {
+    json script = json::parse(R"({ "version": 1,
+        "environment": {"color": [0.2, 0.2, 0.3]},
+        "lights": [{"type": "directional", "direction": [-0.3, -1, -0.45], "intensity": 2.5},
+                   {"type": "point", "position": [0.6, 1.3, 0.9], "intensity": 0.4, "name": "lamp"}],
+        "settings": {
+            "output": {"width": 200, "height": 112}, "voxel": {"resolution": 16}, "cascade": {"levels": 3, "snap": 1},
+            "light": {"shadow_resolution": 128, "bounces": 1, "bounce_cones": 1},
+            "cone": {"diffuse": 1, "near_field": 0}, "specular": {"enabled": false} },
+        "shots": [{"name": "front", "camera": {"position": [0.3, 1.6, 4.1], "target": [0.2, 0.6, 0], "fov_deg": 45},
+                   "channels": ["beauty"]}]})");
+    script["scene"] = VOXCONE_SOURCE_DIR "/assets/scenes/basic.gltf";
+    return script;
+}
+
+/// One window for all tests, as a user has one.
+class ViewerTest : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        std::string name = (fs::temp_directory_path() / "voxcone_viewer_XXXXXX").string();
+        folder() = mkdtemp(name.data());
+        std::ofstream(folder() / "basic.json") << basicScript().dump(1);
+        ViewerOptions options;
+        options.file = folder() / "basic.json";
+        options.prepare = [](Settings& settings) {
+            applyJson(settings, basicScript()["settings"], "test", "settings");
+        };
+        options.folders = {folder(), folder() / "config"};
+        fs::copy(VOXCONE_SOURCE_DIR "/shaders", folder() / "shaders", fs::copy_options::recursive);
+        options.shaders = folder() / "shaders";
+        options.width = 900;
+        options.height = 600;
+        options.debug = true;
+        shared() = std::make_unique<Viewer>(options);
+    }
+    static void TearDownTestSuite() {
+        shared().reset();
+        fs::remove_all(folder());
+    }
+    static fs::path& folder() {
+        static fs::path path;
+        return path;
+    }
+    static std::unique_ptr<Viewer>& shared() {
+        static std::unique_ptr<Viewer> viewer;
+        return viewer;
+    }
+
+    /// Each test begins with the script as it was opened.
+    void SetUp() override {
+        if (session().sceneSerial != 0) session().open(folder() / "basic.json");
+        const std::uint64_t before = session().sceneSerial;
+        ASSERT_TRUE(turnUntil([&] { return session().sceneSerial > before && session().settled(); }));
+        session().channel = "beauty";
+        session().level = -1;
+        ASSERT_TRUE(settle());
+        session().messages.clear();
+    }
+
+    Viewer& viewer() { return *shared(); }
+    Session& session() { return viewer().session(); }
+
+    bool turnUntil(const std::function<bool()>& done, double seconds = 120) {
+        const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+        while (!done()) {
+            if (Clock::now() > end) return false;
+            viewer().turn(0.01);
+        }
+        return true;
+    }
+    bool settle() {
+        viewer().turn(0);
+        return turnUntil([&] { return session().settled(); });
+    }
+    void turns(int count) {
+        for (int i = 0; i < count; ++i) viewer().turn(0);
+    }
+    /// Turns that draw.
+    void draws(int count) {
+        for (int i = 0; i < count; ++i) {
+            moveTo(glm::dvec2(1 + i % 2));
+            viewer().turn(0);
+        }
+    }
+
+    void key(int code, int mods = 0) {
+        for (const int action : {GLFW_PRESS, GLFW_RELEASE}) {
+            Event event;
+            event.type = Event::Type::key;
+            event.code = code, event.action = action, event.mods = mods;
+            viewer().post(event);
+        }
+        turns(2);
+    }
+    void moveTo(const glm::dvec2& place) {
+        Event event;
+        event.type = Event::Type::cursor;
+        event.position = place;
+        viewer().post(event);
+    }
+    void press(int button, int action, int mods = 0) {
+        Event event;
+        event.type = Event::Type::button;
+        event.code = button, event.action = action, event.mods = mods;
+        viewer().post(event);
+    }
+    void drag(int button, const glm::dvec2& from, const glm::dvec2& to, int mods = 0) {
+        moveTo(from);
+        turns(2);
+        press(button, GLFW_PRESS, mods);
+        turns(1);
+        moveTo(0.5 * (from + to));
+        moveTo(to);
+        turns(1);
+        press(button, GLFW_RELEASE, mods);
+        turns(2);
+    }
+    void drop(const fs::path& file) {
+        Event event;
+        event.type = Event::Type::drop;
+        event.files = {file};
+        viewer().post(event);
+    }
+    glm::dvec2 inPicture(double x, double y) {
+        return viewer().pictureRect().low + viewer().pictureRect().size * glm::dvec2(x, y);
+    }
+    std::string lastMessage() { return session().messages.empty() ? "" : session().messages.back().text; }
+
+    /// Presses P and gives the files without extension.
+    fs::path screenshot() {
+        session().messages.clear();
+        key(GLFW_KEY_P);
+        EXPECT_TRUE(turnUntil([&] { return lastMessage().starts_with("wrote "); })) << lastMessage();
+        const std::string line = lastMessage(), png = line.substr(6, line.find(".png") - 6);
+        return png;
+    }
+    /// The first shot of a script, rendered without a window.
+    static fs::path capture(const fs::path& script) {
+        const CaptureScript read = loadCaptureScript(script);
+        const fs::path out = folder() / "capture";
+        fs::remove_all(out);
+        fs::path stem;
+        // This thread has the window's context.
+        std::thread([&] {
+            const auto context = gl::Context::createHeadless(true);
+            stem = runCapture(read, *context, out).front();
+        }).join();
+        return stem.replace_extension();
+    }
+    void expectSamePictures(const fs::path& window, const fs::path& headless) {
+        const Image a = readImage(window.string() + ".exr"), b = readImage(headless.string() + ".exr");
+        EXPECT_EQ(a.width, b.width);
+        EXPECT_TRUE(a.data == b.data) << "EXR files differ";
+        const Image c = readImage(window.string() + ".png"), d = readImage(headless.string() + ".png");
+        EXPECT_TRUE(c.data == d.data) << "PNG files differ";
+        EXPECT_GT(*std::max_element(a.data.begin(), a.data.end()), 0.1f);
+    }
+};
+
+TEST_F(ViewerTest, ScreenshotIsTheCaptureBitForBit) {
+    expectSamePictures(screenshot(), capture(folder() / "basic.json"));
+}
+
+TEST_F(ViewerTest, TheWindowShowsThePixelsOfTheScreenshot) {
+    const Image png = readImage(screenshot().string() + ".png");
+    turns(3);
+    const Image shown = viewer().readWindow();
+    const glm::ivec2 low(viewer().pictureRect().low), size(viewer().pictureRect().size);
+    const int scale = size.x / png.width;
+    ASSERT_EQ(size, scale * glm::ivec2(png.width, png.height)) << "whole pixels";
+    double worst = 0;
+    for (int y = 0; y < png.height; ++y)
+        for (int x = 0; x < png.width; ++x)
+            for (int c = 0; c < 3; ++c)
+                worst =
+                    std::max(worst, std::abs(static_cast<double>(shown.pixel(low.x + scale * x, low.y + scale * y)[c]) -
+                                             static_cast<double>(srgbFromLinear(png.pixel(x, y)[c]))));
+    EXPECT_LT(worst, 1.5 / 255);
+}
+
+TEST_F(ViewerTest, WrittenScriptReplaysToTheSamePicture) {
+    drag(GLFW_MOUSE_BUTTON_LEFT, inPicture(0.5, 0.5), inPicture(0.62, 0.45));
+    drag(GLFW_MOUSE_BUTTON_RIGHT, inPicture(0.5, 0.5), inPicture(0.52, 0.5));
+    session().lights[0].direction = glm::normalize(glm::dvec3(0.2, -1, -0.3));
+    for (const char* channel : {"beauty", "voxel_radiance"}) {
+        session().channel = channel;
+        ASSERT_TRUE(settle());
+        const fs::path picture = screenshot();
+        key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+        ASSERT_TRUE(lastMessage().starts_with("wrote ")) << lastMessage();
+        expectSamePictures(picture, capture(lastMessage().substr(6)));
+    }
+}
+
+TEST_F(ViewerTest, ARecordedPathReplaysToTheSamePicture) {
+    key(GLFW_KEY_R);
+    EXPECT_TRUE(session().recording);
+    for (int i = 0; i < 4; ++i) {
+        drag(GLFW_MOUSE_BUTTON_LEFT, inPicture(0.5, 0.5), inPicture(0.53, 0.5));
+        turnUntil([start = Clock::now()] { return Clock::now() - start > std::chrono::milliseconds(120); });
+    }
+    key(GLFW_KEY_R);
+    ASSERT_EQ(session().views.size(), 1u);
+    const SavedView recorded = session().views[0];
+    ASSERT_GE(recorded.path.position.times.size(), 3u);
+    key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+    const fs::path script = lastMessage().substr(6);
+    // The first frame, as the window shows it.
+    session().recallView(recorded);
+    ASSERT_TRUE(settle());
+    const fs::path picture = screenshot();
+    const CaptureScript read = loadCaptureScript(script);
+    EXPECT_EQ(read.shots.at(0).frameCount(), recorded.frames());
+    expectSamePictures(picture, capture(script));
+    // And the script itself can be dropped on the window and played.
+    const std::uint64_t before = session().sceneSerial;
+    drop(script);
+    ASSERT_TRUE(turnUntil([&] { return session().sceneSerial > before && session().settled(); }));
+    EXPECT_TRUE(session().followShot);
+    const glm::dvec3 start = session().camera.camera().position;
+    key(GLFW_KEY_SPACE);
+    ASSERT_TRUE(turnUntil([&] { return session().camera.camera().position != start; }));
+    key(GLFW_KEY_SPACE);
+    EXPECT_FALSE(session().playing);
+}
+
+TEST_F(ViewerTest, CameraFollowsMouseAndKeys) {
+    const Camera before = session().camera.camera();
+    drag(GLFW_MOUSE_BUTTON_LEFT, inPicture(0.5, 0.5), inPicture(0.7, 0.5));
+    Camera after = session().camera.camera();
+    EXPECT_EQ(after.target, before.target);
+    EXPECT_NE(after.position, before.position);
+
+    drag(GLFW_MOUSE_BUTTON_RIGHT, inPicture(0.5, 0.5), inPicture(0.4, 0.5));
+    EXPECT_EQ(session().camera.camera().position, after.position);
+    EXPECT_NE(session().camera.camera().target, after.target);
+
+    // What lies at the target stays below the cursor.
+    session().takeShot(0);
+    drag(GLFW_MOUSE_BUTTON_MIDDLE, inPicture(0.5, 0.5), inPicture(0.6, 0.4));
+    const Projection projection(session().camera.camera(), viewer().pictureRect());
+    const auto place = projection.point(before.target);
+    ASSERT_TRUE(place.has_value());
+    EXPECT_NEAR(place->x, inPicture(0.6, 0.4).x, 1);
+    EXPECT_NEAR(place->y, inPicture(0.6, 0.4).y, 1);
+
+    session().takeShot(0);
+    Event event;
+    event.type = Event::Type::key;
+    event.code = GLFW_KEY_W, event.action = GLFW_PRESS;
+    viewer().post(event);
+    turnUntil([start = Clock::now()] { return Clock::now() - start > std::chrono::milliseconds(200); });
+    event.action = GLFW_RELEASE;
+    viewer().post(event);
+    turns(2);
+    after = session().camera.camera();
+    EXPECT_GT(glm::dot(after.position - before.position, before.target - before.position), 0);
+    turns(3);
+    EXPECT_EQ(session().camera.camera().position, after.position) << "flies on without a key";
+
+    event.type = Event::Type::scroll;
+    event.position = {0, 2};
+    moveTo(inPicture(0.5, 0.5));
+    turns(2);
+    viewer().post(event);
+    turns(2);
+    EXPECT_LT(session().camera.distance(), glm::length(before.target - before.position));
+}
+
+TEST_F(ViewerTest, ADoubleClickFocusesTheSurface) {
+    moveTo(inPicture(0.3, 0.8));
+    turns(2);
+    const auto surface = session().surfaceAt({0.3, 0.8});
+    ASSERT_TRUE(surface.has_value());
+    for (int i = 0; i < 2; ++i) {
+        press(GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS);
+        press(GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE);
+    }
+    turns(5);
+    EXPECT_EQ(session().camera.camera().target, *surface);
+    // It is seen in the middle now.
+    ASSERT_TRUE(settle());
+    const auto middle = session().surfaceAt({0.5, 0.5});
+    ASSERT_TRUE(middle.has_value());
+    EXPECT_LT(glm::length(*middle - *surface), 0.05 * session().camera.distance());
+}
+
+TEST_F(ViewerTest, ABrokenFileSaysWhyAndKeepsTheScene) {
+    const auto facts = session().facts;
+    std::ofstream(folder() / "broken.gltf") << "{ \"asset\": 3";
+    std::ofstream(folder() / "broken.json") << R"({"version": 1, "scene": "nowhere.gltf", "shots": []})";
+    std::ofstream(folder() / "broken.hdr") << "no picture";
+    for (const char* name : {"broken.gltf", "broken.json", "broken.hdr", "absent.glb", "notes.txt"}) {
+        session().messages.clear();
+        drop(folder() / name);
+        ASSERT_TRUE(turnUntil([&] { return !session().messages.empty(); })) << name;
+        EXPECT_THAT(lastMessage(), HasSubstr(name));
+        EXPECT_TRUE(session().messages.back().error);
+        EXPECT_EQ(lastMessage().find('\n'), std::string::npos);
+        ASSERT_TRUE(settle());
+        EXPECT_EQ(session().facts->file, facts->file);
+    }
+    expectSamePictures(screenshot(), capture(folder() / "basic.json"));
+}
+
+TEST_F(ViewerTest, DropsSceneAndEnvironment) {
+    drop(VOXCONE_SOURCE_DIR "/assets/scenes/basic.gltf");
+    ASSERT_TRUE(turnUntil([&] { return session().facts->file.filename() == "basic.gltf"; }));
+    EXPECT_TRUE(session().followWindow);
+    session().followWindow = false;
+    ASSERT_TRUE(settle());
+    const fs::path before = screenshot();
+    drop(VOXCONE_SOURCE_DIR "/assets/scenes/spheres.hdr");
+    turns(2);
+    ASSERT_TRUE(turnUntil([&] { return session().settled(); }));
+    const fs::path after = screenshot();
+    EXPECT_FALSE(readImage(before.string() + ".exr").data == readImage(after.string() + ".exr").data);
+    key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+    expectSamePictures(after, capture(lastMessage().substr(6)));
+    // Both are remembered, the script too.
+    ASSERT_GE(session().recent.size(), 2u);
+    EXPECT_EQ(session().recent[0].filename(), "basic.gltf");
+    EXPECT_EQ(session().recent[1].filename(), "basic.json");
+    EXPECT_TRUE(fs::exists(folder() / "config" / "recent.json"));
+}
+
+TEST_F(ViewerTest, EverySettingHasAControl) {
+    static std::set<std::string> drawn;
+    viewer().panels().push_back({"test", GLFW_KEY_F25, [](Session& s) { drawn = drawSettings(s); }, true});
+    session().settingsFilter = ".";
+    draws(3);
+    viewer().panels().pop_back();
+    std::set<std::string> all;
+    Settings settings;
+    for (const Field& field : fields(settings)) all.insert(field.key);
+    EXPECT_EQ(drawn, all);
+    session().settingsFilter = "gain";
+    viewer().panels().push_back({"test", GLFW_KEY_F25, [](Session& s) { drawn = drawSettings(s); }, true});
+    draws(3);
+    viewer().panels().pop_back();
+    EXPECT_EQ(drawn, std::set<std::string>{"cone.gain"});
+    session().settingsFilter.clear();
+}
+
+TEST_F(ViewerTest, SettingsAreUndoneAndPresetsLoaded) {
+    const Settings before = session().settings.now();
+    Settings brighter = before;
+    brighter.output.exposure = 1;
+    session().settings.change(brighter, "output.exposure");
+    ASSERT_TRUE(settle());
+    EXPECT_EQ(session().picture->view.settings.output.exposure, 1);
+    key(GLFW_KEY_Z, GLFW_MOD_CONTROL);
+    EXPECT_TRUE(sameSettings(session().settings.now(), before));
+    key(GLFW_KEY_Y, GLFW_MOD_CONTROL);
+    EXPECT_TRUE(sameSettings(session().settings.now(), brighter));
+    session().savePreset("mine");
+    session().applyPresetByName("thesis");
+    EXPECT_EQ(session().settings.now().cone.compositing, Compositing::alpha);
+    EXPECT_EQ(session().settings.now().output.width, before.output.width);
+    session().applyPresetByName((folder() / "mine.json").string());
+    EXPECT_TRUE(sameSettings(session().settings.now(), brighter));
+    session().applyPresetByName("no such");
+    EXPECT_THAT(lastMessage(), HasSubstr("unknown preset"));
+}
+
+TEST_F(ViewerTest, EveryPanelOpensAndDraws) {
+    for (const char* channel : {"beauty", "cascade", "voxel_normal"}) {
+        session().channel = channel;
+        for (const Panel& panel : std::vector<Panel>(viewer().panels())) {
+            const bool before = panel.open;
+            key(panel.key);
+            const auto now = std::find_if(viewer().panels().begin(), viewer().panels().end(),
+                                          [&](const Panel& p) { return p.key == panel.key; });
+            EXPECT_NE(now->open, before) << panel.name;
+            turns(2);
+            key(panel.key);
+        }
+    }
+    for (Panel& panel : viewer().panels()) panel.open = true;
+    draws(4);
+    key(GLFW_KEY_F1);
+    EXPECT_TRUE(viewer().helpOpen());
+    key(GLFW_KEY_ESCAPE);
+    EXPECT_FALSE(viewer().helpOpen());
+    const double before = viewer().pictureRect().size.x;
+    key(GLFW_KEY_TAB);
+    EXPECT_FALSE(viewer().sideBar());
+    EXPECT_GT(viewer().pictureRect().size.x, before) << "there is more place";
+    key(GLFW_KEY_TAB);
+    const Image shown = viewer().readWindow();
+    EXPECT_GT(*std::max_element(shown.data.begin(), shown.data.end()), 0.5f);
+}
+
+TEST_F(ViewerTest, AFrozenClipmapStaysAndSteps) {
+    const auto lowest = [&] { return session().picture->clipmap.update.windows.at(0).low; };
+    const glm::ivec3 start = lowest();
+    key(GLFW_KEY_C);
+    ASSERT_TRUE(session().frozen());
+    const double voxel = session().picture->clipmap.layout.voxelSize;
+    const int snap = session().picture->clipmap.layout.snapOf(0);
+    session().camera.fly({0, 0, 6 * snap * voxel});
+    ASSERT_TRUE(settle());
+    EXPECT_EQ(lowest(), start);
+    // Step by step to where the camera is; a step is one snap of the finest level at most.
+    session().flashes.clear();
+    bool moved = false;
+    for (int i = 0; i < 8; ++i) {
+        const glm::ivec3 before = lowest();
+        key(GLFW_KEY_N);
+        ASSERT_TRUE(settle());
+        const glm::ivec3 step = glm::abs(lowest() - before);
+        EXPECT_LE(std::max({step.x, step.y, step.z}), snap);
+        moved |= step != glm::ivec3(0);
+    }
+    EXPECT_TRUE(moved);
+    EXPECT_GT(session().history.voxels.at(0).size(), 1u);
+    const glm::ivec3 stepped = lowest();
+    key(GLFW_KEY_C);
+    EXPECT_FALSE(session().frozen());
+    ASSERT_TRUE(settle());
+    EXPECT_EQ(lowest(), stepped) << "all steps together lead to the camera";
+    EXPECT_NE(stepped, start);
+}
+
+TEST_F(ViewerTest, WhatIsVoxelizedFlashes) {
+    session().flashes.clear();
+    session().camera.fly({0, 0, 4 * session().picture->clipmap.layout.voxelSize});
+    session().showLevels = session().showSnapGrid = true;
+    viewer().turn(0);
+    ASSERT_TRUE(turnUntil([&] { return !session().flashes.empty(); }, 20));
+    const Flash flash = session().flashes.front();
+    EXPECT_LT(flash.level, 2);
+    turns(2);
+    ASSERT_TRUE(turnUntil([&] { return session().flashes.empty(); }, 20));
+    session().showLevels = session().showSnapGrid = false;
+}
+
+TEST_F(ViewerTest, FollowsTheWindowsSizeAndSurvivesMinimising) {
+    session().followWindow = true;
+    viewer().window().resize(760, 500);
+    ASSERT_TRUE(turnUntil([&] {
+        return viewer().window().framebufferSize() == glm::ivec2(760, 500) && session().settled() &&
+               session().picture->view.settings.output.width == 380;
+    }));
+    EXPECT_EQ(session().picture->view.settings.output.height, static_cast<int>(viewer().pictureRect().size.y));
+    EXPECT_FALSE(session().settings.canUndo());
+    viewer().window().minimize(true);
+    turns(5);
+    viewer().window().minimize(false);
+    turns(5);
+    viewer().window().resize(900, 600);
+    ASSERT_TRUE(turnUntil([&] { return viewer().window().framebufferSize() == glm::ivec2(900, 600); }));
+    session().followWindow = false;
+}
+
+TEST_F(ViewerTest, APixelsConesAddUpToItsPicture) {
+    Settings settings = session().settings.now();
+    settings.cone.diffuse = 6;
+    settings.cone.rotate = false;  // no mean over neighbours
+    settings.cone.nearField = 4;
+    settings.reference.samples = 64;
+    session().settings.change(settings, "test");
+    session().channel = "ao";
+    ASSERT_TRUE(settle());
+    const Image ao = session().picture->image;
+    for (const glm::dvec2 place : {glm::dvec2(0.3, 0.8), glm::dvec2(0.5, 0.55), glm::dvec2(0.6, 0.9)}) {
+        moveTo(inPicture(place.x, place.y));
+        turns(1);
+        session().forgetInspection();
+        key(GLFW_KEY_I);
+        ASSERT_TRUE(turnUntil([&] { return session().inspection != nullptr; }));
+        const Inspection& asked = *session().inspection;
+        ASSERT_TRUE(asked.cones.hit);
+        ASSERT_EQ(asked.cones.cones.size(), 6u);
+        const auto surface = session().surfaceAt(place);
+        ASSERT_TRUE(surface.has_value());
+        EXPECT_LT(glm::length(asked.cones.position - *surface), 1e-4 * glm::length(*surface) + 1e-5);
+        double weights = 0, openness = 0;
+        for (const InspectedCone& cone : asked.cones.cones) {
+            weights += cone.weight;
+            openness += cone.weight * cone.openness;
+            EXPECT_FALSE(cone.truncated);
+            ASSERT_FALSE(cone.samples.empty());
+            double before = 1;
+            for (const ConeSample& sample : cone.samples) {
+                EXPECT_LE(sample.transmittance, before);
+                before = sample.transmittance;
+                EXPECT_GE(sample.footprint, session().picture->clipmap.layout.voxelSize * 0.999);
+            }
+            EXPECT_EQ(cone.samples.back().transmittance, cone.transmittance);
+            EXPECT_LT(glm::length(cone.samples.back().radiance - cone.radiance), 1e-5f);
+        }
+        EXPECT_NEAR(weights, 1, 1e-5);
+        EXPECT_NEAR(openness, static_cast<double>(ao.pixel(asked.pixel.x, asked.pixel.y)[0]), 1e-5);
+        glm::vec3 sum(0), beauty(0);
+        for (const auto& [name, value] : asked.terms) (name == "beauty" ? beauty : sum) += value;
+        EXPECT_LT(glm::length(sum - beauty), 1e-4f);
+        ASSERT_TRUE(turnUntil([&] { return asked.traced("beauty").has_value(); }));
+        const json tree = json::parse(asked.json());
+        EXPECT_EQ(tree["cones"].size(), 6u);
+        EXPECT_TRUE(tree["terms"]["direct"].contains("path_traced"));
+        // A sun and a constant sky on a plane: both renderers know that.
+        const glm::vec3 voxels = asked.terms.at(1).second, traced = *asked.traced("direct");
+        EXPECT_NEAR(voxels.x, traced.x, 0.05 * static_cast<double>(voxels.x + traced.x) + 1e-3);
+    }
+    for (Panel& panel : viewer().panels()) panel.open = std::string(panel.name) == "Inspector";
+    draws(4);
+    session().forgetInspection();
+}
+
+TEST_F(ViewerTest, SlicesHoldAllVoxelsOfALevel) {
+    session().channel = "voxel_albedo";
+    session().level = 0;
+    session().sliceShown = true;
+    for (Panel& panel : viewer().panels()) panel.open = std::string(panel.name) == "Voxels";
+    draws(3);
+    ASSERT_TRUE(turnUntil([&] { return session().slice != nullptr; }));
+    draws(3);
+    EXPECT_EQ(session().slice->width, 16);
+    session().sliceShown = false;
+    std::uint64_t found = 0, wanted = 0;
+    bool done = false;
+    session().thread.now([&](RenderThread::Desk& desk) {
+        for (int axis = 0; axis < 3; ++axis) {
+            for (int depth = 0; depth < 16; ++depth) {
+                const VoxelSlice slice = desk.renderer.voxelSlice(2, axis, depth);
+                for (const VoxelFacts& voxel : slice.voxels) {
+                    found += voxel.occupied ? 1 : 0;
+                    EXPECT_EQ(voxel.occupied, voxel.opacity() > 0);
+                }
+            }
+        }
+        wanted = desk.renderer.stats().counts.at("level_2_voxels");
+        session().thread.deliver([&] { done = true; });
+    });
+    ASSERT_TRUE(turnUntil([&] { return done; }));
+    EXPECT_GT(wanted, 0u);
+    EXPECT_EQ(found, 3 * wanted);
+}
+
+TEST_F(ViewerTest, ACutLeavesVoxelsAway) {
+    const auto lit = [&] {
+        EXPECT_TRUE(settle());
+        const auto& data = session().picture->image.data;
+        return std::count_if(data.begin(), data.end(), [](float v) { return v > 0; });
+    };
+    session().channel = "voxel_albedo";
+    session().level = 2;
+    const auto all = lit();
+    EXPECT_GT(all, 0);
+    session().cutAxis = 1;
+    session().cutPlace = 1.01;  // above everything, by less than half a voxel
+    session().cutFlipped = false;
+    const auto some = lit();
+    session().cutPlace = -1;
+    EXPECT_EQ(lit(), 0);
+    session().cutFlipped = true;
+    EXPECT_EQ(lit(), all);
+    EXPECT_LE(some, all);
+    session().cutAxis = -1;
+    session().voxels.edges = true;
+    EXPECT_GT(lit(), 0);
+    session().triangles = 0.5;
+    ASSERT_TRUE(settle());
+    session().voxels.edges = false;
+    session().triangles = 0;
+}
+
+TEST_F(ViewerTest, LightsAreDraggedInThePicture) {
+    const Image before = session().picture->image;
+    const glm::dvec3 start = session().lights[1].position;
+    const auto place = [&] {
+        return *Projection(session().camera.camera(), viewer().pictureRect()).point(session().lights[1].position);
+    };
+    // Without handles the camera turns.
+    const Camera camera = session().camera.camera();
+    drag(GLFW_MOUSE_BUTTON_LEFT, place(), place() + glm::dvec2(20, 0));
+    EXPECT_NE(session().camera.camera().position, camera.position);
+    session().takeShot(0);
+    key(GLFW_KEY_G);
+    const glm::dvec2 to = place() + glm::dvec2(-30, 18);
+    drag(GLFW_MOUSE_BUTTON_LEFT, place(), to);
+    EXPECT_EQ(session().camera.camera().position, camera.position);
+    EXPECT_LT(glm::length(place() - to), 0.5) << "the light stays below the cursor";
+    EXPECT_GT(glm::length(session().lights[1].position - start), 0.01);
+    ASSERT_TRUE(settle());
+    EXPECT_NE(session().picture->image.data, before.data) << "and lights the scene from there";
+    // Along an axis only that coordinate changes.
+    const glm::dvec3 second = session().lights[1].position;
+    const glm::dvec2 grip = place() + glm::dvec2(0, -40);
+    drag(GLFW_MOUSE_BUTTON_LEFT, grip, grip + glm::dvec2(0, -25));
+    EXPECT_EQ(session().lights[1].position.x, second.x);
+    EXPECT_EQ(session().lights[1].position.z, second.z);
+    EXPECT_GT(session().lights[1].position.y, second.y);
+    ASSERT_TRUE(settle());
+    const fs::path picture = screenshot();
+    key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+    expectSamePictures(picture, capture(lastMessage().substr(6)));
+    key(GLFW_KEY_G);
+}
+
+TEST_F(ViewerTest, HeldPicturesAreCompared) {
+    key(GLFW_KEY_H);
+    ASSERT_TRUE(session().held.has_value());
+    ASSERT_TRUE(turnUntil([&] { return session().difference.has_value(); }));
+    EXPECT_EQ(session().difference->first.rmse, 0);
+    Settings brighter = session().settings.now();
+    brighter.output.exposure = 1;
+    session().settings.change(brighter, "brighter");
+    ASSERT_TRUE(settle());
+    viewer().turn(0);
+    ASSERT_TRUE(session().difference.has_value());
+    EXPECT_NEAR(session().difference->first.relativeBias, 1, 1e-3) << "twice as bright";
+    // The split shows the held picture on its left.
+    session().split = 0.5;
+    draws(2);
+    const Image shown = viewer().readWindow();
+    const auto light = [&](double x) {
+        const glm::ivec2 p(inPicture(x, 0.9));
+        return static_cast<double>(shown.pixel(p.x, p.y)[1]);
+    };
+    EXPECT_LT(light(0.47), light(0.53));
+
+    Settings quick = session().settings.now();
+    quick.output.exposure = 0;
+    quick.reference.samples = 8;
+    session().settings.change(quick, "quick");
+    ASSERT_TRUE(settle());
+    session().holdReference();
+    ASSERT_TRUE(turnUntil([&] { return session().held.has_value() && session().difference.has_value(); }));
+    EXPECT_GT(session().difference->first.rmse, 0);
+    EXPECT_LT(std::abs(session().difference->first.relativeBias), 0.3);
+    for (Panel& panel : viewer().panels()) panel.open = std::string(panel.name) == "Comparison";
+    draws(3);
+    session().releaseHeld();
+    session().holdFile(folder() / "absent.exr");
+    EXPECT_THAT(lastMessage(), HasSubstr("absent.exr"));
+    session().holdFile(screenshot().string() + ".exr");
+    ASSERT_TRUE(session().held.has_value());
+    ASSERT_TRUE(turnUntil([&] { return session().difference.has_value(); }));
+    EXPECT_EQ(session().difference->first.rmse, 0);
+    session().releaseHeld();
+}
+
+TEST_F(ViewerTest, ShadersAreReloadedAndMistakesShown) {
+    const fs::path file = folder() / "shaders" / "frame" / "composite.comp";
+    std::ifstream in(file);
+    const std::string good((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    const auto write = [&](const std::string& text) {
+        std::ofstream(file) << text;
+        // Some file systems count in seconds.
+        fs::last_write_time(file, fs::file_time_type::clock::now() + std::chrono::seconds(2));
+        viewer().turn(0);
+    };
+    const Image before = session().picture->image;
+    session().messages.clear();
+    write(good + "\nmistake;\n");
+    ASSERT_TRUE(turnUntil([&] { return !session().messages.empty(); }));
+    EXPECT_THAT(lastMessage(), HasSubstr("shaders/frame/composite.comp:"));
+    EXPECT_TRUE(session().messages.back().error);
+    ASSERT_TRUE(settle());
+    EXPECT_EQ(session().picture->image.data, before.data) << "the old shaders stay";
+
+    std::string twice = good;
+    const std::string store = "imageStore(u_output, pixel, vec4(radiance";
+    ASSERT_NE(twice.find(store), std::string::npos);
+    twice.replace(twice.find(store), store.size(), "imageStore(u_output, pixel, vec4(2.0 * radiance");
+    session().messages.clear();
+    std::ofstream(file) << twice;
+    key(GLFW_KEY_F5);
+    ASSERT_TRUE(turnUntil([&] { return !session().messages.empty(); }));
+    EXPECT_EQ(lastMessage(), "shaders compiled");
+    ASSERT_TRUE(turnUntil([&] { return session().settled() && session().picture->image.data != before.data; }));
+    EXPECT_NEAR(session().picture->image.data.back(), 2 * before.data.back(), 1e-4f);
+    session().messages.clear();
+    std::ofstream(file) << good;
+    key(GLFW_KEY_F5);
+    ASSERT_TRUE(turnUntil([&] { return !session().messages.empty(); }));
+}
+
+TEST_F(ViewerTest, AnswersWhileItRenders) {
+    Settings heavy = session().settings.now();
+    heavy.output.width = 640, heavy.output.height = 360;
+    heavy.cone.diffuse = 32;
+    session().settings.change(heavy, "heavy");
+    turns(1);
+    ASSERT_TRUE(turnUntil([&] { return session().picture->view.settings.output.width == 640; })) << "compiled";
+    // An event every turn, as a hand on the mouse gives; the camera moves, so that the picture is always begun anew.
+    std::vector<double> gaps;
+    std::uint64_t pictures = 0;
+    auto last = session().picture;
+    const auto start = Clock::now();
+    auto before = start;
+    int i = 0;
+    moveTo(inPicture(0.5, 0.5));
+    turns(1);
+    press(GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS);
+    while (Clock::now() - start < std::chrono::seconds(4)) {
+        // Two seconds of motion, two of rest.
+        if (Clock::now() - start < std::chrono::seconds(2)) moveTo(inPicture(0.5 + 0.002 * ++i, 0.5));
+        viewer().turn(0.05);
+        const auto now = Clock::now();
+        gaps.push_back(std::chrono::duration<double>(now - before).count());
+        before = now;
+        if (session().picture != last) ++pictures, last = session().picture;
+    }
+    press(GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE);
+    turns(1);
+    std::sort(gaps.begin(), gaps.end());
+    const double median = gaps[gaps.size() / 2], worst = gaps.back();
+    RecordProperty("median_ms", std::to_string(1e3 * median));
+    RecordProperty("worst_ms", std::to_string(1e3 * worst));
+    std::printf("turns: %zu in 4 s, median %.0f ms, 95 %% below %.0f ms, worst %.0f ms; %llu pictures\n", gaps.size(),
+                1e3 * median, 1e3 * gaps[gaps.size() * 95 / 100], 1e3 * worst,
+                static_cast<unsigned long long>(pictures));
+    EXPECT_GE(gaps.size(), 40u) << "ten turns a second";
+    EXPECT_GE(pictures, 2u);
+}
+
+TEST_F(ViewerTest, SettingsThatTheDeviceRefusesAreToldAndTakenBack) {
+    Settings huge = session().settings.now();
+    huge.output.width = huge.output.height = 16384;
+    huge.output.supersample = 8;
+    session().settings.change(huge, "huge");
+    ASSERT_TRUE(turnUntil([&] { return !session().messages.empty() && session().messages.back().error; }));
+    key(GLFW_KEY_Z, GLFW_MOD_CONTROL);
+    ASSERT_TRUE(settle());
+    session().messages.clear();
+    expectSamePictures(screenshot(), capture(folder() / "basic.json"));
+}
+
+}  // namespace
+}  // namespace voxcone

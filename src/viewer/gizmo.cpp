@@ -171,30 +171,39 @@ bool Gizmo::take(Session& session, const Projection& projection, const glm::dvec
             hold(target, -1);
             return true;
         }
-        for (int axis = 0; axis < 3; ++axis) {
-            const glm::dvec3& direction = target.axes[static_cast<std::size_t>(axis)];
+        // Lights are held by their middle, below.
+        if (target.light >= 0 && session.lightPosition(static_cast<std::size_t>(target.light)) && middle &&
+            glm::length(*middle - cursor) < reach)
+            continue;
+        // Of all lines that are within reach the nearest.
+        double nearest = reach;
+        int axis = -1;
+        glm::dvec2 piece(0);
+        const auto look = [&](int k, const glm::dvec3& from, const glm::dvec3& to) {
+            const auto line = projection.line(from, to);
+            const double distance = line ? distanceToSegment(cursor, *line) : nearest;
+            if (distance >= nearest) return;
+            nearest = distance;
+            axis = k;
+            piece = line->second - line->first;
+        };
+        for (int k = 0; k < 3; ++k) {
+            const glm::dvec3& direction = target.axes[static_cast<std::size_t>(k)];
             if (target.mode != GizmoMode::turn) {
-                const auto line = projection.line(target.center, target.center + 1.15 * target.length * direction);
-                if (!line || distanceToSegment(cursor, *line) > reach) continue;
-                // Lights are held by their middle, below.
-                if (target.light >= 0 && middle && glm::length(*middle - cursor) < reach) continue;
-                hold(target, axis);
-                return true;
+                look(k, target.center, target.center + 1.15 * target.length * direction);
+                continue;
             }
             const std::vector<glm::dvec3> points = ring(target.center, direction, target.length);
-            for (std::size_t p = 0; p + 1 < points.size(); ++p) {
-                const auto line = projection.line(points[p], points[p + 1]);
-                if (!line || distanceToSegment(cursor, *line) > reach) continue;
-                hold(target, axis);
-                // One radian is a radius along the ring; where that points at the eye, not less than a fifth of it.
-                const glm::dvec2 piece = line->second - line->first;
-                const double angle = glm::radians(360.0 / kRingPieces);
-                const double least = 0.2 * kLength * static_cast<double>(uiScale), length = glm::length(piece) / angle;
-                held_->perRadian =
-                    length > 1e-6 ? piece / angle * (std::max(length, least) / length) : glm::dvec2(least, 0);
-                return true;
-            }
+            for (std::size_t p = 0; p + 1 < points.size(); ++p) look(k, points[p], points[p + 1]);
         }
+        if (axis < 0) continue;
+        hold(target, axis);
+        if (target.mode != GizmoMode::turn) return true;
+        // One radian is a radius along the ring; where that points at the eye, not less than a fifth of it.
+        const double angle = glm::radians(360.0 / kRingPieces), length = glm::length(piece) / angle;
+        const double least = 0.2 * kLength * static_cast<double>(uiScale);
+        held_->perRadian = length > 1e-6 ? piece / angle * (std::max(length, least) / length) : glm::dvec2(least, 0);
+        return true;
     }
     for (std::size_t i = 0; session.showLights && i < session.lights.size(); ++i) {
         const auto position = session.movable(i) ? session.lightPosition(i) : std::nullopt;

@@ -324,6 +324,25 @@ TEST_F(GlTest, MovedBoxesAreThoseLeftAndEntered) {
     EXPECT_TRUE(gpu.takeMoved().moving.empty());
 }
 
+TEST_F(GlTest, WhatWasPutElsewhereIsToldApartFromWhatMoves) {
+    Scene scene = test::SceneBuilder()
+                      .add(test::box(glm::dvec3(1)), test::lambert(0.5f))
+                      .add(test::box(glm::dvec3(1)), test::lambert(0.5f))
+                      .build();
+    animateRotation(scene, 0, 90);
+    GpuScene gpu(scene);
+    scene.nodes[1].hasMatrix = false;
+    scene.nodes[1].translation = {3, 0, 0};
+    EXPECT_TRUE(gpu.takeMoved().fixed.empty());
+    gpu.setTime(1);
+    const GpuScene::Moved moved = gpu.takeMoved();
+    EXPECT_EQ(moved.moving.size(), 2u);
+    ASSERT_EQ(moved.fixed.size(), 2u);
+    EXPECT_NEAR(moved.fixed[0].max.x, 0.5, 1e-6);
+    EXPECT_NEAR(moved.fixed[1].max.x, 3.5, 1e-6);
+    EXPECT_NEAR(gpu.bounds().max.x, 3.5, 1e-6);
+}
+
 TEST_F(GlTest, DeformedInstancesAreDrawnWhereTheirJointsAre) {
     // Two fields of one mesh, the second hung on a joint that moves sideways, and a floor that does not move.
     Scene scene = test::SceneBuilder()

@@ -1,6 +1,7 @@
 #include "capture/motion.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,12 +11,16 @@
 
 #include "core/error.h"
 #include "core/nearest.h"
+#include "scene/placement.h"
 
 namespace voxcone {
 
 using nlohmann::json;
 
 namespace {
+
+constexpr double kLeastScale = 1e-6, kMostScale = 1e6;
+constexpr int kMostNodes = 1 << 30;
 
 /// Times of the keys of "path": at least two, strictly increasing. `readKey` reads what a key holds beside its time.
 std::vector<double> readPath(JsonObject& object, const std::function<void(JsonObject&)>& readKey) {
@@ -76,93 +81,76 @@ AnimationChannel channelThrough(int node, AnimatedProperty property, Interpolati
 std::vector<glm::dvec4> quaternions(const std::vector<glm::dvec3>& degrees) {
     std::vector<glm::dvec4> out;
     for (const glm::dvec3& angles : degrees) {
-        const glm::dvec3 a = glm::radians(angles);
-        const glm::dquat q = glm::angleAxis(a.z, glm::dvec3(0, 0, 1)) * glm::angleAxis(a.y, glm::dvec3(0, 1, 0)) *
-                             glm::angleAxis(a.x, glm::dvec3(1, 0, 0));
+        const glm::dquat q = rotationFromDegrees(angles);
         const glm::dvec4 v(q.x, q.y, q.z, q.w);
         out.push_back(!out.empty() && glm::dot(v, out.back()) < 0 ? -v : v);
     }
     return out;
 }
 
-/// Makes the matrix of `node` a translation, rotation and scale, which keys can replace; false when it is sheared.
-bool decompose(Node& node) {
-    if (!node.hasMatrix) return true;
-    const glm::dmat4& m = node.localMatrix;
-    const glm::dmat3 linear(m);
-    glm::dvec3 scale(glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2]));
-    if (glm::determinant(linear) < 0) scale.x = -scale.x;
-    const glm::dmat3 rotation(linear[0] / scale.x, linear[1] / scale.y, linear[2] / scale.z);
-    const glm::dmat3 square = glm::transpose(rotation) * rotation;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            if (!(std::abs(square[i][j] - (i == j ? 1.0 : 0.0)) < 1e-5)) return false;
-        }
-    }
-    node.translation = glm::dvec3(m[3]);
-    node.rotation = glm::normalize(glm::quat_cast(rotation));
-    node.scale = scale;
-    node.hasMatrix = false;
-    return true;
-}
-
-/// The one node of `scene` with the name at "node".
-int readNode(JsonObject& object, const Scene& scene) {
-    const std::string name = object.string("node");
-    std::vector<std::string> names;
-    int found = -1;
-    for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
-        const std::string& candidate = scene.nodes[i].name;
-        if (candidate.empty()) continue;
-        names.push_back(candidate);
-        if (candidate != name) continue;
-        if (found >= 0) object.fail("node", fmt::format("the scene has several nodes \"{}\"", name));
-        found = static_cast<int>(i);
-    }
-    if (names.empty()) object.fail("node", "the scene has no nodes with names");
-    if (found < 0)
-        object.fail("node",
-                    fmt::format("the scene has no node \"{}\"; did you mean \"{}\"?", name, nearestWord(names, name)));
-    return found;
-}
-
-std::vector<AnimationChannel> readObject(JsonObject object, Scene& scene) {
-    const int node = readNode(object, scene);
-    std::vector<glm::dvec3> translations, rotations, scales;
-    std::size_t index = 0;
-    const std::vector<double> times = readPath(object, [&](JsonObject& key) {
-        if (holds(key, "translation", index, translations.size()))
-            translations.push_back(key.vector("translation", -kLargest, kLargest));
-        if (holds(key, "scale", index, scales.size())) scales.push_back(key.vector("scale", 1e-6, 1e6));
-        if (holds(key, "rotation", index, rotations.size())) {
-            rotations.push_back(key.vector("rotation", -36000, 36000));
-            // A pose does not know how often it was turned: the way to the next one is the shorter.
-            if (index > 0 &&
-                glm::any(glm::greaterThanEqual(glm::abs(rotations[index] - rotations[index - 1]), glm::dvec3(180))))
-                key.fail("rotation", "must differ by less than 180 degrees from that of the key before");
-        }
-        ++index;
-    });
-    const Interpolation interpolation = readInterpolation(object);
-    object.finish();
-    if (translations.empty() && rotations.empty() && scales.empty())
-        object.fail("path", "has keys without translation, rotation or scale");
-    if (!decompose(scene.nodes[static_cast<std::size_t>(node)]))
-        object.fail("node", "has a matrix with shear, which keys cannot replace");
-
+/// What an object of a script says of its node.
+struct ObjectMotion {
+    int node = 0;
+    std::vector<AnimatedProperty> given;  ///< that the file's animations leave alone from now on
     std::vector<AnimationChannel> channels;
-    const auto add = [&](AnimatedProperty property, const std::vector<glm::dvec4>& values) {
-        if (!values.empty()) channels.push_back(channelThrough(node, property, interpolation, times, values));
-    };
+};
+
+/// Reads one object, and puts its node where the object says without keys.
+ObjectMotion readObject(JsonObject object, Scene& scene) {
+    ObjectMotion motion;
+    motion.node = readNode(object, scene);
+    Placement placement;
+    if (object.find("translation") != nullptr)
+        placement.translation = object.vector("translation", -kLargest, kLargest);
+    if (object.find("rotation") != nullptr) placement.rotation = object.vector("rotation", -36000, 36000);
+    if (object.find("scale") != nullptr) placement.scale = object.vector("scale", kLeastScale, kMostScale);
+
+    std::vector<glm::dvec3> translations, rotations, scales;
+    std::vector<double> times;
+    Interpolation interpolation = Interpolation::linear;
+    if (object.find("path") != nullptr) {
+        std::size_t index = 0;
+        times = readPath(object, [&](JsonObject& key) {
+            if (holds(key, "translation", index, translations.size()))
+                translations.push_back(key.vector("translation", -kLargest, kLargest));
+            if (holds(key, "scale", index, scales.size()))
+                scales.push_back(key.vector("scale", kLeastScale, kMostScale));
+            if (holds(key, "rotation", index, rotations.size())) {
+                rotations.push_back(key.vector("rotation", -36000, 36000));
+                // A pose does not know how often it was turned: the way to the next one is the shorter.
+                if (index > 0 &&
+                    glm::any(glm::greaterThanEqual(glm::abs(rotations[index] - rotations[index - 1]), glm::dvec3(180))))
+                    key.fail("rotation", "must differ by less than 180 degrees from that of the key before");
+            }
+            ++index;
+        });
+        interpolation = readInterpolation(object);
+        if (translations.empty() && rotations.empty() && scales.empty())
+            object.fail("path", "has keys without translation, rotation or scale");
+    }
+    object.finish();
+    if (times.empty() && placement.empty())
+        object.fail("", "has neither translation, rotation or scale nor a path of them");
+    Node& node = scene.nodes[static_cast<std::size_t>(motion.node)];
+    if (!decompose(node)) object.fail("node", "has a matrix with shear, which keys cannot replace");
+    place(node, placement);
+
     const auto extended = [](const std::vector<glm::dvec3>& values) {
         std::vector<glm::dvec4> out;
         for (const glm::dvec3& v : values) out.emplace_back(v, 0);
         return out;
     };
-    add(AnimatedProperty::translation, extended(translations));
-    add(AnimatedProperty::rotation, quaternions(rotations));
-    add(AnimatedProperty::scale, extended(scales));
-    return channels;
+    const auto add = [&](const char* key, AnimatedProperty property, bool placed,
+                         const std::vector<glm::dvec4>& values) {
+        if (placed && !values.empty()) object.fail(key, "is given by the path");
+        if (placed || !values.empty()) motion.given.push_back(property);
+        if (!values.empty())
+            motion.channels.push_back(channelThrough(motion.node, property, interpolation, times, values));
+    };
+    add("translation", AnimatedProperty::translation, placement.translation.has_value(), extended(translations));
+    add("rotation", AnimatedProperty::rotation, placement.rotation.has_value(), quaternions(rotations));
+    add("scale", AnimatedProperty::scale, placement.scale.has_value(), extended(scales));
+    return motion;
 }
 
 }  // namespace
@@ -201,6 +189,65 @@ LightTrack readLightPath(JsonObject& light, bool hasPosition, bool hasDirection)
     return track;
 }
 
+int readNode(JsonObject& object, const Scene& scene) {
+    const auto at = [&](auto&& matches) {
+        return static_cast<int>(std::find_if(scene.nodes.begin(), scene.nodes.end(), matches) - scene.nodes.begin());
+    };
+    const int count = static_cast<int>(scene.nodes.size());
+    if (object.require("node").is_number()) {
+        const int index = object.integer("node", 0, 0, kMostNodes);
+        const int found = at([index](const Node& node) { return node.fileIndex == index; });
+        if (found == count) object.fail("node", fmt::format("the scene that is shown has no nodes[{}]", index));
+        return found;
+    }
+    const std::string name = object.string("node");
+    std::vector<std::string> names;
+    for (const Node& node : scene.nodes)
+        if (!node.name.empty()) names.push_back(node.name);
+    if (names.empty()) object.fail("node", "the scene has no nodes with names");
+    const auto same = std::count(names.begin(), names.end(), name);
+    if (same > 1)
+        object.fail("node",
+                    fmt::format("the scene has several nodes \"{}\"; an index of the file's nodes is unique", name));
+    if (same == 0)
+        object.fail("node",
+                    fmt::format("the scene has no node \"{}\"; did you mean \"{}\"?", name, nearestWord(names, name)));
+    return at([&](const Node& node) { return node.name == name; });
+}
+
+json nodeReference(const Scene& scene, int node) {
+    const Node& n = scene.nodes[static_cast<std::size_t>(node)];
+    const auto same =
+        std::count_if(scene.nodes.begin(), scene.nodes.end(), [&](const Node& other) { return other.name == n.name; });
+    if (n.name.empty() || same > 1) return n.fileIndex;
+    return n.name;
+}
+
+std::size_t readSceneLightIndex(JsonObject& object, const Scene& scene) {
+    std::vector<std::string> names;
+    for (const Light& light : scene.lights)
+        if (light.node >= 0 && !light.extracted) names.push_back(light.name);
+    if (names.empty()) object.fail("light", "the glTF has no lights");
+    if (object.require("light").is_number())
+        return static_cast<std::size_t>(object.integer("light", 0, 0, static_cast<int>(names.size()) - 1));
+    const std::string name = object.string("light");
+    const auto same = std::count(names.begin(), names.end(), name);
+    if (same == 0)
+        object.fail("light",
+                    fmt::format("the glTF has no light \"{}\"; it has \"{}\"", name, fmt::join(names, "\", \"")));
+    if (same > 1) object.fail("light", fmt::format("the glTF has several lights \"{}\"; an index is unique", name));
+    return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+json sceneLightReference(const Scene& scene, std::size_t light) {
+    const std::string& name = scene.lights[light].name;
+    const auto same = std::count_if(scene.lights.begin(), scene.lights.end(), [&](const Light& other) {
+        return other.node >= 0 && !other.extracted && other.name == name;
+    });
+    if (name.empty() || same > 1) return light;
+    return name;
+}
+
 void readObjects(const json& objects, const std::string& file, Scene& scene) {
     if (!objects.is_array()) throw InputError(file, "objects", "must be an array");
     Animation animation;
@@ -208,21 +255,18 @@ void readObjects(const json& objects, const std::string& file, Scene& scene) {
     std::set<int> moved;
     for (std::size_t i = 0; i < objects.size(); ++i) {
         const std::string path = fmt::format("objects[{}]", i);
-        const std::vector<AnimationChannel> channels = readObject(JsonObject(objects[i], file, path), scene);
-        if (!moved.insert(channels.front().node).second)
-            throw InputError(file, path + ".node", "is moved by an object before");
-        animation.channels.insert(animation.channels.end(), channels.begin(), channels.end());
-    }
-    if (animation.channels.empty()) return;
-    for (Animation& other : scene.animations) {
-        std::erase_if(other.channels, [&](const AnimationChannel& channel) {
-            return std::any_of(animation.channels.begin(), animation.channels.end(), [&](const AnimationChannel& own) {
-                return own.node == channel.node && own.property == channel.property;
+        const ObjectMotion motion = readObject(JsonObject(objects[i], file, path), scene);
+        if (!moved.insert(motion.node).second) throw InputError(file, path + ".node", "is moved by an object before");
+        for (Animation& other : scene.animations) {
+            std::erase_if(other.channels, [&](const AnimationChannel& channel) {
+                return channel.node == motion.node &&
+                       std::find(motion.given.begin(), motion.given.end(), channel.property) != motion.given.end();
             });
-        });
+        }
+        animation.channels.insert(animation.channels.end(), motion.channels.begin(), motion.channels.end());
     }
     std::erase_if(scene.animations, [](const Animation& other) { return other.channels.empty(); });
-    scene.animations.push_back(std::move(animation));
+    if (!animation.channels.empty()) scene.animations.push_back(std::move(animation));
 }
 
 }  // namespace voxcone

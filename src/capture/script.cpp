@@ -42,12 +42,32 @@ Environment readEnvironment(JsonObject object) {
     return environment;
 }
 
-/// `up` without its part along `direction`; both unit. Fails when the two are parallel.
+/// `up` without its part along `direction`, which is unit; what is upright already keeps its bits. Fails when the two
+/// are parallel.
 glm::dvec3 perpendicular(const JsonObject& object, const std::string& key, const glm::dvec3& up,
                          const glm::dvec3& direction) {
     if (glm::length(up - glm::dot(up, direction) * direction) < 1e-6 * std::max(1.0, glm::length(up)))
         object.fail(key, "must not be parallel to the direction");
-    return uprightOf(up, direction);
+    const bool upright = std::abs(glm::dot(up, direction)) < 4e-15 && std::abs(glm::dot(up, up) - 1) < 4e-15;
+    return upright ? up : uprightOf(up, direction);
+}
+
+/// What a light has beside its intensity, place and direction; what is absent stays as it is.
+void readExtent(JsonObject& object, Light& light) {
+    if (light.type == LightType::directional && object.find("angular_radius_deg") != nullptr)
+        light.angularRadius = glm::radians(object.number("angular_radius_deg", 0, 0, 45, "degrees"));
+    if (light.type == LightType::point || light.type == LightType::spot)
+        light.range = object.number("range", light.range, 0, kLargest, "m");
+    if (light.type != LightType::spot) return;
+    const bool outerGiven = object.find("outer_cone_deg") != nullptr,
+               innerGiven = object.find("inner_cone_deg") != nullptr;
+    if (!outerGiven && !innerGiven) return;
+    const double outer = object.number("outer_cone_deg", glm::degrees(light.outerConeAngle), 0, 90, "degrees");
+    const double inner = object.number("inner_cone_deg", glm::degrees(light.innerConeAngle), 0, 90, "degrees");
+    if (!(outer > 0)) object.fail("outer_cone_deg", "must be above 0");
+    if (!(inner < outer)) object.fail("inner_cone_deg", fmt::format("must be below outer_cone_deg, {}", outer));
+    if (innerGiven) light.innerConeAngle = glm::radians(inner);
+    if (outerGiven) light.outerConeAngle = glm::radians(outer);
 }
 
 Light readLight(JsonObject object) {
@@ -73,16 +93,7 @@ Light readLight(JsonObject object) {
     if (hasDirection)
         light.direction =
             fromPath("direction", track.direction) ? track.direction.values.front() : object.direction("direction");
-    if (light.type == LightType::directional)
-        light.angularRadius = glm::radians(object.number("angular_radius_deg", 0, 0, 45, "degrees"));
-    if (light.type == LightType::point || spot) light.range = object.number("range", 0, 0, kLargest, "m");
-    if (spot) {
-        const double outer = object.number("outer_cone_deg", 45, 0, 90, "degrees");
-        const double inner = object.number("inner_cone_deg", 0, 0, 90, "degrees");
-        if (!(outer > 0)) object.fail("outer_cone_deg", "must be above 0");
-        if (!(inner < outer)) object.fail("inner_cone_deg", fmt::format("must be below outer_cone_deg, {}", outer));
-        light.innerConeAngle = glm::radians(inner), light.outerConeAngle = glm::radians(outer);
-    }
+    readExtent(object, light);
     if (light.type == LightType::sphere) {
         light.radius = object.requiredNumber("radius", 0, kLargest, "m");
         if (!(light.radius > 0)) object.fail("radius", "must be above 0");
@@ -97,6 +108,25 @@ Light readLight(JsonObject object) {
     }
     object.finish();
     return light;
+}
+
+/// Changes one light of the glTF. `changed`: those that were.
+void readSceneLight(JsonObject object, Scene& scene, std::set<std::size_t>& changed) {
+    const std::size_t index = readSceneLightIndex(object, scene);
+    if (!changed.insert(index).second) object.fail("light", "is changed by an entry before");
+    Light& light = scene.lights[index];
+    const bool off = object.boolean("off", false);
+    if (object.find("intensity") != nullptr) {
+        if (off) object.fail("intensity", "is that of a light which is off");
+        light.intensity = object.color("intensity");
+    }
+    if (off) light.intensity = glm::vec3(0);
+    if (light.type != LightType::directional && object.find("position") != nullptr)
+        light.position = object.vector("position", -kLargest, kLargest);
+    if (light.type != LightType::point && object.find("direction") != nullptr)
+        light.direction = object.direction("direction");
+    readExtent(object, light);
+    object.finish();
 }
 
 /// A camera of the scene by name or index.
@@ -242,15 +272,21 @@ CaptureScript readScript(const fs::path& file, const fs::path& otherScene) {
     if (!fs::exists(scene)) object.fail("scene", fmt::format("no such file: {}", scene.string()));
     const json* environment = object.find("environment");
     const json* lights = object.find("lights");
+    const json* sceneLights = object.find("scene_lights");
     const json* objects = object.find("objects");
     const json& shots = object.require("shots");
     object.finish();
     if (lights != nullptr && !lights->is_array()) object.fail("lights", "must be an array");
+    if (sceneLights != nullptr && !sceneLights->is_array()) object.fail("scene_lights", "must be an array");
     if (!shots.is_array() || shots.empty()) object.fail("shots", "must be an array with at least one shot");
 
     script.scene = loadGltf(scene);
     if (environment != nullptr)
         script.scene.environment = readEnvironment(JsonObject(*environment, file.string(), "environment"));
+    std::set<std::size_t> changed;
+    for (std::size_t i = 0; sceneLights != nullptr && i < sceneLights->size(); ++i)
+        readSceneLight(JsonObject((*sceneLights)[i], file.string(), fmt::format("scene_lights[{}]", i)), script.scene,
+                       changed);
     for (std::size_t i = 0; lights != nullptr && i < lights->size(); ++i)
         script.scene.lights.push_back(readLight(JsonObject((*lights)[i], file.string(), fmt::format("lights[{}]", i))));
     if (objects != nullptr) readObjects(*objects, file.string(), script.scene);

@@ -145,7 +145,8 @@ glm::dvec3 JsonObject::vector(const std::string& key, double min, double max) {
 glm::dvec3 JsonObject::direction(const std::string& key) {
     const glm::dvec3 out = vector(key, -kLargest, kLargest);
     if (glm::length(out) < 1e-9) fail(key, "must not be zero");
-    return glm::normalize(out);
+    // What is unit already keeps its bits, so that what is written comes back.
+    return std::abs(glm::dot(out, out) - 1) < 4e-15 ? out : glm::normalize(out);
 }
 
 glm::vec3 JsonObject::color(const std::string& key) {

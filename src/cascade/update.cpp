@@ -70,6 +70,7 @@ ClipmapSchedule::ClipmapSchedule(const ClipmapLayout& layout, int budget, bool a
 void ClipmapSchedule::reset() {
     windows_.clear();
     moved_.assign(static_cast<std::size_t>(layout_.levels), {});
+    placed_ = moved_;
     turn_ = waiting_ = 0;
 }
 
@@ -79,7 +80,9 @@ std::vector<char> ClipmapSchedule::chosen(const std::vector<VoxelBox>& wanted, c
     if (chosen[0]) return chosen;
     int left = budget_;
     waiting_ = 0;
-    const auto stale = [&](std::size_t l) { return windows_[l] != wanted[l] || !moved_[l].empty(); };
+    const auto stale = [&](std::size_t l) {
+        return windows_[l] != wanted[l] || !moved_[l].empty() || !placed_[l].empty();
+    };
     for (std::size_t l = 0; l < levels; ++l) {
         // A camera that has left the inner half of a window can wait no longer: there is less than half a level to
         // read.
@@ -105,11 +108,14 @@ std::vector<char> ClipmapSchedule::chosen(const std::vector<VoxelBox>& wanted, c
     return chosen;
 }
 
-ClipmapUpdate ClipmapSchedule::next(const glm::dvec3& center, const std::vector<Bounds>& moved) {
+ClipmapUpdate ClipmapSchedule::next(const glm::dvec3& center, const std::vector<Bounds>& moved,
+                                    const std::vector<Bounds>& placed) {
     std::vector<VoxelBox> wanted;
     for (int level = 0; level < layout_.levels; ++level) wanted.push_back(clipmapWindow(layout_, level, center));
-    if (!windows_.empty())
+    if (!windows_.empty()) {
         for (auto& boxes : moved_) boxes.insert(boxes.end(), moved.begin(), moved.end());
+        for (auto& boxes : placed_) boxes.insert(boxes.end(), placed.begin(), placed.end());
+    }
     const std::vector<char> follow = chosen(wanted, center);
 
     ClipmapUpdate update;
@@ -119,14 +125,22 @@ ClipmapUpdate ClipmapSchedule::next(const glm::dvec3& center, const std::vector<
         const auto l = static_cast<std::size_t>(level);
         if (!follow[l]) continue;
         std::vector<VoxelBox> boxes = exposedSlabs(windows_[l], wanted[l]);
+        const auto add = [&](const std::vector<Bounds>& changed) {
+            for (const Bounds& b : changed)
+                boxes.push_back(intersection(voxelBox(b, layout_.voxelSizeOf(level)), wanted[l]));
+        };
+        if (!placed_[l].empty()) {
+            add(placed_[l]);
+            boxes = disjoint(joined(std::move(boxes)));
+        }
         for (const VoxelBox& box : boxes) update.fixed.push_back({level, box});
         if (anyMoving_) {
-            for (const Bounds& b : moved_[l])
-                boxes.push_back(intersection(voxelBox(b, layout_.voxelSizeOf(level)), wanted[l]));
+            add(moved_[l]);
             for (const VoxelBox& box : disjoint(joined(std::move(boxes)))) update.moving.push_back({level, box});
         }
         windows_[l] = wanted[l];
         moved_[l].clear();
+        placed_[l].clear();
     }
     update.windows = windows_;
     for (int mip = layout_.levels; mip < layout_.count(); ++mip) {

@@ -36,8 +36,10 @@ class ClipmapSchedule {
     ClipmapSchedule(const ClipmapLayout& layout, int budget, bool anyMoving);
 
     /// The next update for a camera at `center`; `moved` are the boxes that moving geometry has left and entered since
-    /// the call before. Both relative to the origin, in metres.
-    ClipmapUpdate next(const glm::dvec3& center, const std::vector<Bounds>& moved);
+    /// the call before, `placed` those of static geometry that was put elsewhere. All relative to the origin, in
+    /// metres.
+    ClipmapUpdate next(const glm::dvec3& center, const std::vector<Bounds>& moved,
+                       const std::vector<Bounds>& placed = {});
 
     /// Begins anew: the next update is of everything.
     void reset();
@@ -51,9 +53,9 @@ class ClipmapSchedule {
     ClipmapLayout layout_;
     int budget_;
     bool anyMoving_;
-    std::vector<VoxelBox> windows_;           ///< by level, without mips; empty before the first update
-    std::vector<std::vector<Bounds>> moved_;  ///< by level: not yet voxelized
-    int turn_ = 0;                            ///< the level that is looked at first
+    std::vector<VoxelBox> windows_;                    ///< by level, without mips; empty before the first update
+    std::vector<std::vector<Bounds>> moved_, placed_;  ///< by level: not yet voxelized
+    int turn_ = 0;                                     ///< the level that is looked at first
     int waiting_ = 0;
 };
 

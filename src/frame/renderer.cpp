@@ -132,9 +132,10 @@ struct Renderer::Impl {
         }
         const bool light = shadowMaps.update(gpuScene, timers) || forgotten;
         if (voxelizer) {
-            std::vector<Bounds> moved;
-            for (const Bounds& box : gpuScene.takeMoved()) moved.push_back({box.min - origin, box.max - origin});
-            update = schedule->next(eye - origin, moved);
+            gl::GpuScene::Moved moved = gpuScene.takeMoved();
+            for (auto* boxes : {&moved.moving, &moved.fixed})
+                for (Bounds& box : *boxes) box = {box.min - origin, box.max - origin};
+            update = schedule->next(eye - origin, moved.moving, moved.fixed);
             voxels.center = eye - origin;
             if (settings.cascade.center == CascadeCenter::window && layout.moves(0))
                 voxels.center = 0.5 * layout.voxelSize * glm::dvec3(update.windows[0].low + update.windows[0].high);
@@ -386,6 +387,11 @@ Renderer::~Renderer() = default;
 void Renderer::setTime(double time) {
     if (time == impl_->gpuScene.time()) return;
     impl_->gpuScene.setTime(time);
+}
+
+void Renderer::placeNodes() {
+    impl_->gpuScene.setTime(impl_->gpuScene.time());
+    impl_->shadowMaps.invalidate();
 }
 
 void Renderer::setOutput(const Settings::Output& output) {

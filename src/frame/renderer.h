@@ -83,6 +83,11 @@ class Renderer {
     /// Moves animated nodes to `time`; voxels and shadow maps follow with the next frame.
     void setTime(double time);
 
+    /// To be called when nodes of the scene that nothing animates were put elsewhere: voxels are renewed where objects
+    /// were and are, shadow maps as a whole, with the next frame. That equals the frame of a new renderer as long as
+    /// Scene::motionBounds() is what it was when this one was made.
+    void placeNodes();
+
     /// Other sizes, supersamples, exposure and tone curve from the next frame on; voxels and their light stay.
     void setOutput(const Settings::Output& output);
 
@@ -128,8 +133,8 @@ class Renderer {
     std::vector<SeamStep> seam();
 
     /// Places that the cones of the last frame looked at for its pixels: voxels of their near fields and steps beyond
-    /// them, of all cones but those of soft shadows and bounces. Gathered anew by programs that count, which are compiled
-    /// at the first call.
+    /// them, of all cones but those of soft shadows and bounces. Gathered anew by programs that count, which are
+    /// compiled at the first call.
     std::uint64_t coneSamples();
 
     /// The levels of the clipmap, for `voxcone info`.

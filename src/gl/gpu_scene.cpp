@@ -497,10 +497,12 @@ bool GpuScene::anyMoving() const {
     return std::any_of(batches_.begin(), batches_.end(), [](const Batch& batch) { return batch.moving; });
 }
 
-std::vector<Bounds> GpuScene::takeMoved() {
-    std::vector<Bounds> boxes;
+GpuScene::Moved GpuScene::takeMoved() {
+    Moved boxes;
     for (std::size_t i = 0; i < moved_.size(); ++i) {
-        if (moved_[i] && !takenBounds_.empty()) boxes.insert(boxes.end(), {takenBounds_[i], instanceBounds_[i]});
+        if (!moved_[i] || takenBounds_.empty()) continue;
+        auto& list = moving_[i] != 0 ? boxes.moving : boxes.fixed;
+        list.insert(list.end(), {takenBounds_[i], instanceBounds_[i]});
     }
     std::fill(moved_.begin(), moved_.end(), std::uint8_t{0});
     takenBounds_ = instanceBounds_;

@@ -48,7 +48,8 @@ class GpuScene {
 
     /// Recomputes the objects' transforms, T(−origin) · world in double, then rounds to float.
     void setOrigin(const glm::dvec3& origin);
-    /// Moves the objects, and uploads the vertices of those whose deformation changed.
+    /// Moves the objects to where `scene` has them at `time`, those too whose nodes were put elsewhere since, and
+    /// uploads the vertices of those whose deformation changed.
     void setTime(double time);
 
     const Scene& scene() const { return scene_; }
@@ -71,10 +72,14 @@ class GpuScene {
     bool anyMoving() const;           ///< a batch that moves
     bool anyLeaves() const;           ///< a batch of leaves
 
-    /// World boxes that moving objects have left and entered since the last call, or since the upload: two for each
-    /// object whose matrix or vertices changed in any setTime() between, none for the others. The boxes hold the
-    /// objects as they were at that call and as they are now; what was between has gone.
-    std::vector<Bounds> takeMoved();
+    /// World boxes that objects have left and entered since the last call, or since the upload: two for each object
+    /// whose matrix or vertices changed in any setTime() between, none for the others. The boxes hold the objects as
+    /// they were at that call and as they are now; what was between has gone.
+    struct Moved {
+        std::vector<Bounds> moving;  ///< of objects that an animation may move
+        std::vector<Bounds> fixed;   ///< of others, whose nodes were put elsewhere
+    };
+    Moved takeMoved();
 
     /// Draws the batches that `filter` takes with `program` in use, in an order fixed by the scene: binds the
     /// material's textures and block, sets u_closed (shared/material.glsl) and the winding of front faces.

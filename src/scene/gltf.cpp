@@ -753,6 +753,7 @@ class Loader {
         nodeIndex_[sizeOf(index)] = place;
         Node node;
         node.name = in.name;
+        node.fileIndex = index;
         node.parent = parent;
         if (in.matrix.size() == 16) {
             node.hasMatrix = true;

@@ -119,6 +119,7 @@ struct Mesh {
 /// Scene graph node. World transforms are computed in double: origins may be 1e6 away.
 struct Node {
     std::string name;
+    int fileIndex = -1;         ///< in the file's "nodes"
     int parent = -1;            ///< always smaller than the node's own index
     glm::dmat4 localMatrix{1};  ///< used when `hasMatrix`, otherwise translation · rotation · scale
     bool hasMatrix = false;

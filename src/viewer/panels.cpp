@@ -54,25 +54,30 @@ void drawLight(Session& session, std::size_t index) {
                               !light.track.intensity.empty() || light.extracted;
         ImGui::BeginDisabled(animated);
         const double extent = glm::length(session.facts->bounds.size());
-        if (light.type != LightType::directional)
-            ImGui::DragScalarN("position", ImGuiDataType_Double, &light.position.x, 3,
-                               static_cast<float>(std::max(extent, 1e-9) * 1e-3), nullptr, nullptr, "%.4g");
+        if (auto position = session.lightPosition(index)) {
+            if (ImGui::DragScalarN("position", ImGuiDataType_Double, &position->x, 3,
+                                   static_cast<float>(std::max(extent, 1e-9) * 1e-3), nullptr, nullptr, "%.4g"))
+                session.moveLight(index, *position);
+            tip("metres, in the world");
+        }
         if (light.type == LightType::directional || light.type == LightType::spot) {
             // Height and bearing of where the light comes from.
-            double height = glm::degrees(std::asin(std::clamp(-light.direction.y, -1.0, 1.0)));
-            double bearing = glm::degrees(std::atan2(-light.direction.x, -light.direction.z));
+            const glm::dvec3 way = *session.lightDirection(index);
+            double height = glm::degrees(std::asin(std::clamp(-way.y, -1.0, 1.0)));
+            double bearing = glm::degrees(std::atan2(-way.x, -way.z));
             const double low = -89.9, high = 89.9, west = -180, east = 180;
             bool turned = ImGui::SliderScalar("height", ImGuiDataType_Double, &height, &low, &high, "%.1f deg");
             turned |= ImGui::SliderScalar("bearing", ImGuiDataType_Double, &bearing, &west, &east, "%.1f deg");
             if (turned) {
                 const double h = glm::radians(height), b = glm::radians(bearing);
-                light.direction =
-                    glm::normalize(-glm::dvec3(std::cos(h) * std::sin(b), std::sin(h), std::cos(h) * std::cos(b)));
+                session.pointLight(index,
+                                   -glm::dvec3(std::cos(h) * std::sin(b), std::sin(h), std::cos(h) * std::cos(b)));
             }
         }
         ImGui::DragFloat3("intensity", &light.intensity.x,
                           0.01f * std::max(0.1f, std::max({light.intensity.x, light.intensity.y, light.intensity.z})),
                           0, 1e9f, "%.4g");
+        if (ImGui::SmallButton("off")) light.intensity = glm::vec3(0);
         ImGui::EndDisabled();
         if (animated) dim(light.extracted ? "stands for a part of the panorama or for an emitting mesh" : "animated");
         ImGui::TreePop();
@@ -80,15 +85,66 @@ void drawLight(Session& session, std::size_t index) {
     ImGui::PopID();
 }
 
-void drawNode(const Scene& scene, const std::vector<std::vector<int>>& children, int node) {
-    const Node& n = scene.nodes[static_cast<std::size_t>(node)];
+std::string nodeName(const Session& session, int node) {
+    const Node& n = session.scene().nodes[static_cast<std::size_t>(node)];
+    return n.name.empty() ? fmt::format("node {}", n.fileIndex) : n.name;
+}
+
+void drawNode(Session& session, const std::vector<std::vector<int>>& children, int node) {
     const auto& below = children[static_cast<std::size_t>(node)];
-    const auto flags = below.empty() ? ImGuiTreeNodeFlags_Leaf : ImGuiTreeNodeFlags_None;
-    if (ImGui::TreeNodeEx(reinterpret_cast<void*>(static_cast<std::intptr_t>(node + 1)), flags, "%s",
-                          n.name.empty() ? fmt::format("node {}", node).c_str() : n.name.c_str())) {
-        for (const int child : below) drawNode(scene, children, child);
-        ImGui::TreePop();
-    }
+    const auto flags = (below.empty() ? ImGuiTreeNodeFlags_Leaf : ImGuiTreeNodeFlags_OpenOnArrow) |
+                       (session.selectedNode == node ? ImGuiTreeNodeFlags_Selected : ImGuiTreeNodeFlags_None);
+    const bool moved = session.placed.contains(node);
+    if (moved) ImGui::PushStyleColor(ImGuiCol_Text, kChanged);
+    const bool open = ImGui::TreeNodeEx(reinterpret_cast<void*>(static_cast<std::intptr_t>(node + 1)), flags, "%s",
+                                        nodeName(session, node).c_str());
+    if (moved) ImGui::PopStyleColor();
+    if (ImGui::IsItemClicked() && !ImGui::IsItemToggledOpen())
+        session.selectedNode = session.selectedNode == node ? -1 : node;
+    if (!open) return;
+    for (const int child : below) drawNode(session, children, child);
+    ImGui::TreePop();
+}
+
+/// Place, rotation and scale of the selected node, and what dragging it does.
+void drawObject(Session& session) {
+    const int index = session.selectedNode;
+    ImGui::Separator();
+    text(nodeName(session, index));
+    if (const std::string why = session.fixedBecause(index); !why.empty())
+        return dim(fmt::format("cannot be put elsewhere: {}", why));
+    int mode = static_cast<int>(session.gizmoMode);
+    ImGui::RadioButton("move", &mode, static_cast<int>(GizmoMode::move));
+    ImGui::SameLine();
+    ImGui::RadioButton("turn", &mode, static_cast<int>(GizmoMode::turn));
+    ImGui::SameLine();
+    ImGui::RadioButton("scale", &mode, static_cast<int>(GizmoMode::scale));
+    tip("what the handles in the picture do (T)");
+    session.gizmoMode = static_cast<GizmoMode>(mode);
+    ImGui::SameLine();
+    ImGui::BeginDisabled(!session.placed.contains(index));
+    if (ImGui::SmallButton("put back")) session.putBack(index);
+    ImGui::EndDisabled();
+
+    Node node = session.scene().nodes[static_cast<std::size_t>(index)];
+    decompose(node);
+    const auto extent = static_cast<float>(std::max(glm::length(session.facts->bounds.size()), 1e-9));
+    Placement next;
+    if (ImGui::DragScalarN("translation", ImGuiDataType_Double, &node.translation.x, 3, 1e-3f * extent, nullptr,
+                           nullptr, "%.4g"))
+        next.translation = node.translation;
+    tip("metres, in the space of the node's parent");
+    // As it was given, since other angles may mean the same rotation.
+    const auto placed = session.placed.find(index);
+    glm::dvec3 degrees =
+        placed != session.placed.end() && placed->second.rotation ? *placed->second.rotation : degreesOf(node.rotation);
+    if (ImGui::DragScalarN("rotation", ImGuiDataType_Double, &degrees.x, 3, 0.5f, nullptr, nullptr, "%.1f"))
+        next.rotation = degrees;
+    tip("degrees about x, then y, then z of the parent's axes");
+    const double least = 1e-6, most = 1e6;
+    if (ImGui::DragScalarN("scale", ImGuiDataType_Double, &node.scale.x, 3, 0.005f, &least, &most, "%.4g"))
+        next.scale = node.scale;
+    if (!next.empty()) session.placeNode(index, next);
 }
 
 void drawScenePanel(Session& session) {
@@ -113,7 +169,7 @@ void drawScenePanel(Session& session) {
     }
     if (ImGui::TreeNode("lights", "lights (%d)", static_cast<int>(session.lights.size()))) {
         ImGui::Checkbox("handles in the picture", &session.showLights);
-        tip("drag a light, or one of its axes (G)");
+        tip("drag a light, or one of its axes (G); turn it by its rings (T)");
         for (std::size_t i = 0; i < session.lights.size(); ++i) drawLight(session, i);
         ImGui::TreePop();
     }
@@ -137,9 +193,10 @@ void drawScenePanel(Session& session) {
             if (scene.nodes[i].parent >= 0)
                 children[static_cast<std::size_t>(scene.nodes[i].parent)].push_back(static_cast<int>(i));
         for (std::size_t i = 0; i < scene.nodes.size(); ++i)
-            if (scene.nodes[i].parent < 0) drawNode(scene, children, static_cast<int>(i));
+            if (scene.nodes[i].parent < 0) drawNode(session, children, static_cast<int>(i));
         ImGui::TreePop();
     }
+    if (session.selectedNode >= 0) drawObject(session);
     if (facts.duration > 0) {
         ImGui::Checkbox("play", &session.playing);
         ImGui::SameLine();
@@ -752,7 +809,7 @@ std::vector<Panel> makePanels() {
 }
 
 void drawHelp(bool& open) {
-    constexpr std::array<std::array<const char*, 2>, 31> kKeys = {{
+    constexpr std::array<std::array<const char*, 2>, 33> kKeys = {{
         {"left drag", "turn around the target"},
         {"right drag", "look about"},
         {"middle drag, Shift + left drag", "move sidewise"},
@@ -769,11 +826,13 @@ void drawHelp(bool& open) {
         {"N", "step the frozen clipmap by one snap"},
         {"L", "boxes of levels"},
         {"G", "handles of lights: drag one, or one of its axes"},
+        {"Alt + click", "select an object: drag its handles; Escape lets go"},
+        {"T", "handles move, turn or scale"},
         {"P", "screenshot"},
         {"R", "record the camera's path"},
         {"Ctrl + S", "write a capture script"},
         {"Ctrl + O", "open by name"},
-        {"Ctrl + Z, Ctrl + Y", "undo and redo a setting"},
+        {"Ctrl + Z, Ctrl + Y", "undo and redo a setting or what was moved"},
         {"V", "vertical synchronisation"},
         {"M", "picture follows the window"},
         {"F5", "compile all shaders anew"},

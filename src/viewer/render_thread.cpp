@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -24,6 +25,16 @@ struct RenderThread::Loaded {
     fs::path file;
     CaptureScript script;
     std::vector<Light> lights;  ///< of scene and script, without extracted ones
+    std::vector<Node> nodes;    ///< where scene and script have them
+    std::map<int, Placement> placed;
+
+    /// Puts nodes elsewhere, all others back.
+    void place(const std::map<int, Placement>& where) {
+        placed = where;
+        script.scene.nodes = nodes;
+        for (const auto& [node, placement] : placed)
+            voxcone::place(script.scene.nodes.at(static_cast<std::size_t>(node)), placement);
+    }
 
     /// Takes back what was extracted and extracts anew.
     void extract(const Settings::Light& settings) {
@@ -118,6 +129,7 @@ void RenderThread::reloadShaders() {
         // The old renderer stays until the new one is known to compile.
         auto fresh = std::make_unique<Renderer>(context, loaded_->script.scene, built_, 0, shaders_);
         renderer_ = std::move(fresh);
+        builtBounds_.reset();
         fresh_ = true;
         divisor_ = 0;
         finished_ = false;
@@ -325,12 +337,15 @@ void RenderThread::load(gl::Context& context, const fs::path& file, const std::f
     Settings& settings = fresh->script.settings;
     if (prepare) prepare(settings);
     fresh->lights = fresh->script.scene.lights;
+    fresh->nodes = fresh->script.scene.nodes;
     fresh->extract(settings.light);
     setActivity("uploading " + file.filename().string());
     auto renderer =
         std::make_unique<Renderer>(context, fresh->script.scene, settings, fresh->script.shots.front().start, shaders_);
     // Both are good: from here on nothing fails.
     renderer_ = std::move(renderer);
+    builtBounds_.reset();
+    stale_ = false;
     fresh_ = true;
     loaded_ = std::move(fresh);
     built_ = settings;
@@ -359,8 +374,9 @@ void RenderThread::publishFacts(gl::Context& context, bool opened) {
     Scene& outline = facts->outline;
     outline.file = script.scene.file;
     outline.materials = script.scene.materials;
-    outline.nodes = script.scene.nodes;
+    outline.nodes = loaded_->nodes;
     outline.instances = script.scene.instances;
+    outline.skins = script.scene.skins;
     outline.lights = script.scene.lights;
     outline.cameras = script.scene.cameras;
     outline.animations = script.scene.animations;
@@ -369,6 +385,11 @@ void RenderThread::publishFacts(gl::Context& context, bool opened) {
     facts->settings = script.settings;
     facts->shots = script.shots;
     facts->bounds = script.scene.bounds();
+    for (const Instance& instance : script.scene.instances) {
+        facts->boxes.emplace_back();
+        for (const glm::vec3& p : script.scene.meshes[static_cast<std::size_t>(instance.mesh)].positions)
+            facts->boxes.back().add(glm::dvec3(p));
+    }
     facts->triangles = script.scene.triangleCount();
     facts->duration = lastKey(script);
     nlohmann::json description = describeScene(script.scene);
@@ -390,6 +411,7 @@ void RenderThread::prepareRenderer(gl::Context& context, const View& view) {
         built_.light.extractEmitters = view.settings.light.extractEmitters;
         publishFacts(context, false);
     }
+    placeNodes(context, view);
     const Settings::Output& output = view.settings.output;
     const int largest = std::max(output.width, output.height) * output.supersample;
     if (largest > context.info().max2DTextureSize)
@@ -400,10 +422,42 @@ void RenderThread::prepareRenderer(gl::Context& context, const View& view) {
     if (renderer_ && sameRenderer(built_, view.settings)) return;
     setActivity("compiling and uploading");
     renderer_.reset();
+    builtBounds_.reset();
     built_ = view.settings;
     pixelCost_ = 0;
     fresh_ = true;
     renderer_ = std::make_unique<Renderer>(context, loaded_->script.scene, view.settings, view.time, shaders_);
+}
+
+/// Puts nodes where the view has them. Voxels and shadow maps follow at once; the extent of levels and shadow maps, and
+/// which emitters are lights, depend on all of the scene and follow once nothing is dragged.
+void RenderThread::placeNodes(gl::Context& context, const View& view) {
+    Scene& scene = loaded_->script.scene;
+    if (loaded_->placed != view.placed) {
+        if (renderer_ && !builtBounds_) builtBounds_ = scene.motionBounds();
+        loaded_->place(view.placed);
+        if (renderer_) renderer_->placeNodes();
+        stale_ = true;
+    }
+    if (!stale_ || view.placing) return;
+    stale_ = false;
+    if (std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) { return m.emits(); })) {
+        const auto extracted = [&scene] {
+            std::vector<Light> lights;
+            std::copy_if(scene.lights.begin(), scene.lights.end(), std::back_inserter(lights),
+                         [](const Light& light) { return light.extracted; });
+            return lights;
+        };
+        const std::vector<Light> before = extracted();
+        loaded_->extract(built_.light);
+        if (extracted() != before) {
+            renderer_.reset();
+            publishFacts(context, false);
+        }
+    }
+    if (!renderer_ || !builtBounds_) return;
+    const Bounds bounds = scene.motionBounds();
+    if (bounds.min != builtBounds_->min || bounds.max != builtBounds_->max) renderer_.reset();
 }
 
 int RenderThread::firstDivisor(const Settings::Output& output, const gl::Context& context) const {
@@ -449,7 +503,8 @@ void RenderThread::stage(gl::Context& context, const View& view, std::uint64_t s
         return;
     }
     divisor_ = divisor;
-    if (quick) return publish(view, serial, finished_, start);
+    const bool whole = finished_ && !stale_;
+    if (quick) return publish(view, serial, whole, start);
     double perPixel = 0;
     for (const FrameStats::Pass& pass : renderer_->stats().passes) {
         const std::string& name = pass.name;
@@ -457,7 +512,7 @@ void RenderThread::stage(gl::Context& context, const View& view, std::uint64_t s
     }
     const double pixels = static_cast<double>(output.width) * output.height * output.supersample * output.supersample;
     pixelCost_ = std::max(perPixel, 1e-3) / pixels;
-    publish(view, serial, finished_, start);
+    publish(view, serial, whole, start);
 }
 
 /// A software rasteriser gathers light for many seconds: the surfaces say meanwhile what was opened.

@@ -10,6 +10,7 @@
 #include <exception>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -22,6 +23,7 @@
 #include "frame/voxel_view.h"
 #include "gl/context.h"
 #include "gl/texture.h"
+#include "scene/placement.h"
 #include "viewer/settings_history.h"
 
 namespace voxcone {
@@ -34,9 +36,11 @@ struct View {
     std::string channel = "beauty";  ///< as in capture/script.h
     Settings settings;               ///< output.width and height are those of the finished picture
     std::optional<glm::dvec3> clipmapEye;
-    std::vector<Light> lights;  ///< in the place of the scene's, when they are as many
-    VoxelViewOptions voxels;    ///< of voxel views
-    double triangles = 0;       ///< share of `beauty` that is mixed into a voxel view, 0 to 1
+    std::vector<Light> lights;        ///< in the place of the scene's, when they are as many
+    std::map<int, Placement> placed;  ///< nodes of the scene that stand elsewhere than the file has them
+    bool placing = false;             ///< and they are being dragged: the picture is not yet that of a capture
+    VoxelViewOptions voxels;          ///< of voxel views
+    double triangles = 0;             ///< share of `beauty` that is mixed into a voxel view, 0 to 1
 };
 
 /// Whether the channel needs voxels and G-buffer alone, without light on the visible surfaces.
@@ -45,7 +49,8 @@ bool withoutCones(const View& view);
 /// What the window knows of a scene. `outline` has neither triangles nor images.
 struct SceneFacts {
     std::filesystem::path file;  ///< what was opened: scene or capture script
-    Scene outline;               ///< nodes, animations, materials, lights (extracted ones too), cameras
+    Scene outline;               ///< nodes, animations, materials, lights (extracted ones too), cameras, skins
+    std::vector<Bounds> boxes;   ///< by index in outline.instances: of the mesh, in its own space
     Settings settings;           ///< of the script
     std::vector<Shot> shots;
     Bounds bounds;
@@ -137,6 +142,7 @@ class RenderThread {
     void load(gl::Context& context, const std::filesystem::path& file, const std::function<void(Settings&)>& prepare);
     void loadEnvironmentImage(const std::filesystem::path& file);
     void prepareRenderer(gl::Context& context, const View& view);
+    void placeNodes(gl::Context& context, const View& view);
     void stage(gl::Context& context, const View& view, std::uint64_t serial);
     void publish(const View& view, std::uint64_t serial, bool finished, Clock::time_point start);
     void publishSurfaces(const View& view, std::uint64_t serial);
@@ -172,7 +178,10 @@ class RenderThread {
     // Only on the thread.
     std::unique_ptr<Loaded> loaded_;
     std::unique_ptr<Renderer> renderer_;
-    Settings built_;           ///< of the renderer, or those that gave none
+    Settings built_;  ///< of the renderer, or those that gave none
+    /// Scene::motionBounds() that the renderer was made for; absent as long as nothing was placed since.
+    std::optional<Bounds> builtBounds_;
+    bool stale_ = false;       ///< nodes were placed, and what depends on all of the scene has not followed yet
     std::uint64_t shown_ = 0;  ///< view that is being refined
     int divisor_ = 0;          ///< of its last stage; 0 before the first
     bool finished_ = false;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
+#include "capture/motion.h"
 #include "capture/strict_json.h"
 #include "core/atomic_file.h"
 
@@ -46,9 +48,20 @@ json lightTree(const Light& light) {
     if (light.type != LightType::directional) tree["position"] = three(light.position);
     if (light.type == LightType::directional || light.type == LightType::spot || light.type == LightType::rectangle)
         tree["direction"] = three(light.direction);
+    if (light.type == LightType::rectangle) tree["up"] = three(light.up);
     if (light.type == LightType::directional) tree["angular_radius_deg"] = glm::degrees(light.angularRadius);
     if (light.type == LightType::sphere) tree["radius"] = light.radius;
     return tree;
+}
+
+/// The entry of `list` that `matches`, or a new one whose `key` is `reference`.
+json& entryOf(json& list, const char* key, const json& reference, const std::function<bool(JsonObject&)>& matches) {
+    for (json& entry : list) {
+        JsonObject object(entry, "", "");
+        if (matches(object)) return entry;
+    }
+    list.push_back({{key, reference}});
+    return list.back();
 }
 
 /// Paths of a script as they are seen from anywhere.
@@ -65,13 +78,13 @@ int SavedView::frames() const {
     return std::max(1, static_cast<int>(std::floor(seconds * fps + 1e-9)) + 1);
 }
 
-json captureScript(const ScriptSource& source, const std::vector<Light>& lights, const Settings& settings,
-                   const std::vector<SavedView>& views, std::vector<std::string>& lost) {
+json captureScript(const ScriptSource& source, const std::vector<Light>& lights, const std::map<int, Placement>& placed,
+                   const Settings& settings, const std::vector<SavedView>& views) {
     json tree = {{"version", 1}};
     const bool script = source.file.extension() == ".json";
     if (script) {
         const json given = parseStrictly(readTextFile(source.file), source.file.string());
-        for (const char* key : {"scene", "environment", "lights", "objects"})
+        for (const char* key : {"scene", "environment", "scene_lights", "lights", "objects"})
             if (given.contains(key)) tree[key] = given[key];
         makeAbsolute(tree["scene"], source.file);
         if (tree.contains("environment") && tree["environment"].contains("image"))
@@ -90,19 +103,33 @@ json captureScript(const ScriptSource& source, const std::vector<Light>& lights,
     for (std::size_t i = 0; i < lights.size() && i < before.size(); ++i) {
         if (lights[i].extracted) continue;
         const bool moved = !(lights[i] == before[i]);
+        const json full = lightTree(lights[i]);
         if (lights[i].node >= 0) {
-            if (moved) lost.push_back(lights[i].name);
+            if (!moved) continue;
+            const json was = lightTree(before[i]);
+            json& given = entryOf(tree["scene_lights"], "light", sceneLightReference(*source.outline, i),
+                                  [&](JsonObject& entry) { return readSceneLightIndex(entry, *source.outline) == i; });
+            if (lights[i].intensity != before[i].intensity) given.erase("off");
+            for (const char* key : {"position", "direction", "intensity"})
+                if (full.contains(key) && full[key] != was[key]) given[key] = full[key];
             continue;
         }
         if (!script) {
-            tree["lights"].push_back(lightTree(lights[i]));
+            tree["lights"].push_back(full);
             continue;
         }
         json& given = tree["lights"][own++];
         if (!moved) continue;
-        const json full = lightTree(lights[i]);
         for (const char* key : {"position", "direction", "intensity"})
             if (given.contains(key) && full.contains(key)) given[key] = full[key];
+        if (lights[i].up != before[i].up) given["up"] = full["up"];
+    }
+    for (const auto& [node, placement] : placed) {
+        json& given = entryOf(tree["objects"], "node", nodeReference(*source.outline, node),
+                              [&](JsonObject& entry) { return readNode(entry, *source.outline) == node; });
+        if (placement.translation) given["translation"] = three(*placement.translation);
+        if (placement.rotation) given["rotation"] = three(*placement.rotation);
+        if (placement.scale) given["scale"] = three(*placement.scale);
     }
 
     tree["settings"] = toJson(settings);

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "capture/script.h"
+#include "scene/placement.h"
 
 namespace voxcone {
 
@@ -29,9 +31,10 @@ struct ScriptSource {
     const Scene* outline = nullptr;     ///< SceneFacts::outline
 };
 
-/// The script: everything that the opened file says about the scene, with absolute paths, `lights` where they were
-/// moved (those of a glTF cannot be; names of such go to `lost`), `settings`, and one shot a view.
-nlohmann::json captureScript(const ScriptSource& source, const std::vector<Light>& lights, const Settings& settings,
-                             const std::vector<SavedView>& views, std::vector<std::string>& lost);
+/// The script: everything that the opened file says about the scene, with absolute paths, `lights` as they were changed
+/// and nodes where they were `placed` (by index in the outline's nodes), `settings`, and one shot a view.
+nlohmann::json captureScript(const ScriptSource& source, const std::vector<Light>& lights,
+                             const std::map<int, Placement>& placed, const Settings& settings,
+                             const std::vector<SavedView>& views);
 
 }  // namespace voxcone

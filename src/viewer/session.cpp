@@ -29,7 +29,7 @@ bool sameCamera(const Camera& a, const Camera& b) {
 bool sameView(const View& a, const View& b) {
     return a.scene == b.scene && sameCamera(a.camera, b.camera) && a.time == b.time && a.channel == b.channel &&
            a.clipmapEye == b.clipmapEye && a.voxels == b.voxels && a.triangles == b.triangles && a.lights == b.lights &&
-           sameSettings(a.settings, b.settings);
+           a.placed == b.placed && a.placing == b.placing && sameSettings(a.settings, b.settings);
 }
 
 bool isPanorama(const fs::path& file) {
@@ -135,15 +135,20 @@ void Session::takeScene() {
     if (!next || next == facts) return;
     const std::uint64_t serial = thread.sceneSerial();
     facts = next;
-    // Lights that were moved stay where they are when only extraction or the environment has changed.
-    std::vector<Light> before = std::move(lights);
+    const std::vector<Light> before = std::move(lights);
     lights = facts->outline.lights;
     if (serial == sceneSerial) {
-        for (std::size_t i = 0; i < std::min(before.size(), lights.size()); ++i)
-            if (!before[i].extracted && !lights[i].extracted) lights[i] = before[i];
+        // What was moved stays where it is when only extraction or the environment has changed.
+        takeLights(before);
+        poseScene();
+        edits_.replace({lights, edits_.now().placed});
         return;
     }
     sceneSerial = serial;
+    placed.clear();
+    selectedNode = -1;
+    poseScene();
+    edits_.begin({lights, placed});
     settings.begin(facts->settings);
     environmentFile.clear();
     playing = false;
@@ -171,12 +176,12 @@ void Session::takeShot(int index) {
     const Shot& s = facts->shots[static_cast<std::size_t>(shot)];
     time = s.timeOf(s.firstFrame);
     followShot = !s.path.empty() || s.camera.node >= 0;
-    Camera c = cameraAt(s, facts->outline, time);
+    Camera c = cameraAt(s, scene_, time);
     camera.set(c);
 }
 
 void Session::takeCamera(const Camera& c) {
-    camera.set(worldCamera(c, facts->outline.worldMatrices(time)));
+    camera.set(worldCamera(c, scene_.worldMatrices(time)));
     followShot = false;
 }
 
@@ -421,28 +426,6 @@ void Session::askSlice() {
     });
 }
 
-// ---- Lights
-
-std::optional<glm::dvec3> Session::lightPosition(std::size_t light) const {
-    const Light& l = lights[light];
-    if (l.type == LightType::directional) return std::nullopt;
-    return worldLight(lightAt(l, time), facts->outline.worldMatrices(time)).position;
-}
-
-bool Session::movable(std::size_t light) const {
-    return !lights[light].extracted && lights[light].track.position.empty();
-}
-
-void Session::moveLight(std::size_t light, const glm::dvec3& to) {
-    Light& l = lights[light];
-    if (l.node < 0) {
-        l.position = to;
-        return;
-    }
-    const glm::dmat4 world = facts->outline.worldMatrices(time)[static_cast<std::size_t>(l.node)];
-    l.position = glm::dvec3(glm::inverse(world) * glm::dvec4(to, 1));
-}
-
 // ---- Clipmap
 
 void Session::freeze(bool on) {
@@ -518,15 +501,12 @@ void Session::writeScript() {
     if (!facts) return;
     std::vector<SavedView> shots = views;
     if (shots.empty()) shots.push_back(viewNow("view1"));
-    std::vector<std::string> lost;
     try {
         const ScriptSource source{facts->file, environmentFile, &facts->outline};
-        const json tree = captureScript(source, lights, settings.now(), shots, lost);
+        const json tree = captureScript(source, lights, placed, settings.now(), shots);
         const fs::path file = freshFile(plainName(facts->file.stem().string()), {".json"}).string() + ".json";
         writeTextFile(file, tree.dump(2) + "\n");
         say(fmt::format("wrote {}", file.string()));
-        for (const std::string& name : lost)
-            say(fmt::format("light {} is part of the glTF: the script leaves it where it was", name), true);
     } catch (const Error& error) {
         say(error.what(), true);
     }
@@ -582,11 +562,23 @@ void Session::applyPresetByName(const std::string& nameOrFile) {
 }
 
 void Session::undo() {
-    if (settings.canUndo()) settings.undo();
+    rememberEdits();
+    if (edits_.canUndo(settings.steps())) {
+        edits_.undo();
+        takeEdits();
+    } else if (settings.canUndo()) {
+        settings.undo();
+    }
 }
 
 void Session::redo() {
-    if (settings.canRedo()) settings.redo();
+    rememberEdits();
+    if (edits_.canRedo(settings.steps())) {
+        edits_.redo();
+        takeEdits();
+    } else if (settings.canRedo()) {
+        settings.redo();
+    }
 }
 
 // ---- The loop
@@ -604,6 +596,8 @@ View Session::view() const {
     v.settings = settings.now();
     v.clipmapEye = frozenEye;
     v.lights = lights;
+    v.placed = placed;
+    v.placing = dragging && placed != edits_.now().placed;
     if (channel.starts_with("voxel_")) {
         v.triangles = triangles;
         v.voxels.edges = voxels.edges;
@@ -659,7 +653,7 @@ bool Session::update(double seconds, const glm::ivec2& place) {
         time += seconds;
         if (time > facts->duration) time = std::fmod(time, facts->duration);
     }
-    if (followShot) camera.set(cameraAt(facts->shots[static_cast<std::size_t>(shot)], facts->outline, time));
+    if (followShot) camera.set(cameraAt(facts->shots[static_cast<std::size_t>(shot)], scene_, time));
     if (recording) {
         Track& positions = recorded_.path.position;
         Track& targets = recorded_.path.target;
@@ -687,6 +681,7 @@ bool Session::update(double seconds, const glm::ivec2& place) {
         if (!sameSettings(s, settings.now())) settings.replace(s);
     }
 
+    rememberEdits();
     const View wanted = view();
     if (!shown_ || !sameView(*shown_, wanted)) {
         shown_ = wanted;

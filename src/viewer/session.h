@@ -14,6 +14,7 @@
 #include "frame/voxel_slice.h"
 #include "metric/metrics.h"
 #include "viewer/camera_control.h"
+#include "viewer/edit_history.h"
 #include "viewer/overlay.h"
 #include "viewer/render_thread.h"
 #include "viewer/script_writer.h"
@@ -69,6 +70,9 @@ struct Flash {
     std::chrono::steady_clock::time_point start;
 };
 
+/// What dragging a gizmo does to an object, or to a light.
+enum class GizmoMode : int { move, turn, scale };
+
 struct Session {
     using Clock = std::chrono::steady_clock;
 
@@ -101,9 +105,13 @@ struct Session {
     std::vector<char> levelShown;  ///< by level; wire box
     std::deque<Flash> flashes;
 
-    // ---- Lights
+    // ---- Moved by hand
     bool showLights = false;  ///< with handles that move them
     int selectedLight = 0;
+    std::map<int, Placement> placed;  ///< nodes that stand elsewhere than the file has them
+    int selectedNode = -1;            ///< has a gizmo; −1: none
+    GizmoMode gizmoMode = GizmoMode::move;
+    bool dragging = false;  ///< a button is held: what it changes is one step, and not yet finished
 
     // ---- Voxels
     VoxelViewOptions voxels;
@@ -169,6 +177,28 @@ struct Session {
     bool movable(std::size_t light) const;
     /// Moves a light to a world position.
     void moveLight(std::size_t light, const glm::dvec3& to);
+    /// The way a light shines, in the world, unit; nothing for those that shine all around.
+    std::optional<glm::dvec3> lightDirection(std::size_t light) const;
+    bool turnable(std::size_t light) const;
+    /// Lets a directional or spot light shine along a world direction of any length.
+    void pointLight(std::size_t light, const glm::dvec3& direction);
+    /// Turns what a light was before by a world rotation.
+    void turnLight(std::size_t light, const Light& before, const glm::dquat& rotation);
+
+    // Objects (session_objects.cpp).
+    /// SceneFacts::outline with its nodes where they were put.
+    const Scene& scene() const { return scene_; }
+    /// Why a node cannot be put elsewhere; empty when it can.
+    std::string fixedBecause(int node) const;
+    /// Puts a node elsewhere; what `placement` leaves out stays as it was put. Numbers that a script could not have are
+    /// brought into its ranges.
+    void placeNode(int node, const Placement& placement);
+    /// Puts it back where the file has it.
+    void putBack(int node);
+    /// World box of what hangs on a node; empty for a node without meshes.
+    Bounds nodeBounds(int node) const;
+    /// Selects the object at a place of the picture (0 to 1), or nothing.
+    void pick(const glm::dvec2& place);
 
     void freeze(bool on);
     bool frozen() const { return frozenEye.has_value(); }
@@ -205,12 +235,20 @@ struct Session {
 
   private:
     void takeScene();
+    /// Lights as in `from`, but for extracted ones.
+    void takeLights(const std::vector<Light>& from);
+    void poseScene();
+    /// Makes what was moved by hand a step, unless it is still being dragged.
+    void rememberEdits();
+    void takeEdits();
     void takePicture(const std::shared_ptr<const Picture>& next);
     void remember(const std::filesystem::path& file);
     std::filesystem::path freshFile(const std::string& stem, const std::vector<std::string>& extensions) const;
     SavedView viewNow(const std::string& name) const;
 
     std::function<void(Settings&)> prepare_;
+    Scene scene_;
+    EditHistory edits_;
     void takeTraced();
     void retire(std::unique_ptr<BackgroundTracer> tracer);
     void compare();

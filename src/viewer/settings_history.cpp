@@ -31,7 +31,10 @@ void SettingsHistory::change(const Settings& settings, const std::string& what, 
     if (sameSettings(settings, now_)) return;
     const bool sameStep = held_ && held && !past_.empty() && past_.back().what == what;
     if (!sameStep) past_.push_back({now_, what});
-    if (past_.size() > kMost) past_.erase(past_.begin());
+    if (past_.size() > kMost) {
+        past_.erase(past_.begin());
+        ++dropped_;
+    }
     future_.clear();
     now_ = settings;
     held_ = held;

@@ -33,6 +33,8 @@ class SettingsHistory {
 
     bool canUndo() const { return !past_.empty(); }
     bool canRedo() const { return !future_.empty(); }
+    /// Steps that led to the present settings, those too that can no longer be undone.
+    std::size_t steps() const { return dropped_ + past_.size(); }
     /// What the next undo or redo takes back or brings again.
     const std::string& undoName() const { return past_.back().what; }
     const std::string& redoName() const { return future_.back().what; }
@@ -49,6 +51,7 @@ class SettingsHistory {
 
     Settings now_, reset_;
     std::vector<Step> past_, future_;
+    std::size_t dropped_ = 0;
     bool held_ = false;
 };
 

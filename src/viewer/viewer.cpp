@@ -71,13 +71,6 @@ std::shared_ptr<const gl::Texture> textureOf(const Image& image, ToneMap curve) 
     return texture;
 }
 
-/// The far end of a light's handle for one axis: of one length on the screen.
-glm::dvec3 handleEnd(const Projection& projection, const glm::dvec3& position, int axis, float uiScale) {
-    glm::dvec3 end = position;
-    end[axis] += 60 * static_cast<double>(uiScale) / std::max(projection.scaleAt(position), 1e-9);
-    return end;
-}
-
 /// The newest change of any file below `folder`.
 fs::file_time_type newestBelow(const fs::path& folder) {
     fs::file_time_type newest = fs::file_time_type::min();
@@ -177,6 +170,7 @@ bool Viewer::turn(double seconds) {
     if (woken_.exchange(false)) redraw_ = std::max(redraw_, 1);
     const glm::dvec2 pixels =
         area_.size * glm::dvec2(window_.framebufferSize()) / glm::max(glm::dvec2(window_.size()), glm::dvec2(1));
+    session_.dragging = ImGui::GetIO().MouseDown[GLFW_MOUSE_BUTTON_LEFT];
     if (session_.update(passed, glm::ivec2(glm::round(pixels)))) redraw_ = std::max(redraw_, 2);
     const bool active = !thread_.idle();
     if (active || active != wasActive_) redraw_ = std::max(redraw_, 1);
@@ -230,7 +224,7 @@ void Viewer::handle(const Event& event) {
             if (event.code == 0) {
                 down_.clear();
                 drag_ = -1;
-                handle_.reset();
+                gizmo_.release();
                 std::fill(std::begin(io.KeysDown), std::end(io.KeysDown), false);
                 std::fill(std::begin(io.MouseDown), std::end(io.MouseDown), false);
             }
@@ -244,7 +238,10 @@ void Viewer::key(const Event& event) {
         if (panel.key == event.code && !repeat) panel.open = !panel.open;
     if (event.code == GLFW_KEY_F1 && !repeat) help_ = !help_;
     if (event.code == GLFW_KEY_TAB && !repeat) sideBar_ = !sideBar_;
-    if (event.code == GLFW_KEY_ESCAPE) help_ = openDialog_ = false;
+    if (event.code == GLFW_KEY_ESCAPE) {
+        help_ = openDialog_ = false;
+        session_.selectedNode = -1;
+    }
     if (event.code == GLFW_KEY_V && !ctrl && !repeat) window_.vsync(vsync_ = !vsync_);
     if (ctrl && event.code == GLFW_KEY_Q) window_.requestClose();
     if (ctrl && event.code == GLFW_KEY_O) openDialog_ = true;
@@ -308,6 +305,9 @@ void Viewer::key(const Event& event) {
         case GLFW_KEY_G:
             session_.showLights = !session_.showLights;
             break;
+        case GLFW_KEY_T:
+            session_.gizmoMode = static_cast<GizmoMode>((static_cast<int>(session_.gizmoMode) + 1) % 3);
+            break;
         case GLFW_KEY_L:
             session_.showLevels = !session_.showLevels;
             break;
@@ -343,7 +343,7 @@ glm::dvec2 Viewer::placeInPicture(const glm::dvec2& screen) const {
 void Viewer::cursor(const glm::dvec2& to) {
     const glm::dvec2 by = (to - cursor_) / std::max(rect_.size.y, 1.0);
     cursor_ = to;
-    if (handle_) return dragHandle();
+    if (gizmo_.holds()) return gizmo_.drag(session_, Projection(session_.camera.camera(), rect_), to);
     if (drag_ < 0 || !session_.facts) return;
     session_.moved();
     if (drag_ == GLFW_MOUSE_BUTTON_RIGHT) {
@@ -361,11 +361,14 @@ void Viewer::cursor(const glm::dvec2& to) {
 void Viewer::button(const Event& event) {
     if (event.action == GLFW_RELEASE) {
         if (event.code == drag_) drag_ = -1;
-        if (event.code == GLFW_MOUSE_BUTTON_LEFT) handle_.reset();
+        if (event.code == GLFW_MOUSE_BUTTON_LEFT) gizmo_.release();
         return;
     }
     if (ImGui::GetIO().WantCaptureMouse || !rect_.contains(cursor_) || !session_.facts) return;
-    if (event.code == GLFW_MOUSE_BUTTON_LEFT && takeHandle()) return;
+    const Projection projection(session_.camera.camera(), rect_);
+    if (event.code == GLFW_MOUSE_BUTTON_LEFT && (event.mods & GLFW_MOD_ALT) != 0)
+        return session_.pick(placeInPicture(cursor_));
+    if (event.code == GLFW_MOUSE_BUTTON_LEFT && gizmo_.take(session_, projection, cursor_, uiScale_)) return;
     drag_ = event.code;
     dragMods_ = event.mods;
     if (event.code != GLFW_MOUSE_BUTTON_LEFT) return;
@@ -374,55 +377,6 @@ void Viewer::button(const Event& event) {
     const bool twice = now - lastClick_ < std::chrono::duration<double>(kDoubleClick);
     lastClick_ = now;
     if (twice) session_.focus(placeInPicture(cursor_));
-}
-
-/// Takes hold of what of a light lies below the cursor.
-bool Viewer::takeHandle() {
-    if (!session_.showLights) return false;
-    const Projection projection(session_.camera.camera(), rect_);
-    const double reach = 8 * uiScale_;
-    for (std::size_t i = 0; i < session_.lights.size(); ++i) {
-        const auto position = session_.movable(i) ? session_.lightPosition(i) : std::nullopt;
-        const auto place = position ? projection.point(*position) : std::nullopt;
-        if (!place) continue;
-        if (glm::length(*place - cursor_) < reach) {
-            handle_ = Handle{i, -1, *position, cursor_};
-            session_.selectedLight = static_cast<int>(i);
-            return true;
-        }
-        if (static_cast<int>(i) != session_.selectedLight) continue;
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto line = projection.line(*position, handleEnd(projection, *position, axis, uiScale_));
-            if (!line) continue;
-            const glm::dvec2 along = line->second - line->first;
-            const double t = glm::dot(cursor_ - line->first, along) / std::max(glm::dot(along, along), 1e-9);
-            if (t < 0 || t > 1.1 || glm::length(line->first + t * along - cursor_) > 0.75 * reach) continue;
-            handle_ = Handle{i, axis, *position, cursor_};
-            return true;
-        }
-    }
-    return false;
-}
-
-void Viewer::dragHandle() {
-    const Projection projection(session_.camera.camera(), rect_);
-    const glm::dvec3 from = projection.ray(handle_->startCursor), to = projection.ray(cursor_);
-    const glm::dvec3& eye = projection.eye();
-    if (handle_->axis < 0) {
-        // In the plane through the light that faces the camera.
-        const double depth = projection.depth(handle_->start);
-        const auto inPlane = [&](const glm::dvec3& ray) { return depth / glm::dot(ray, projection.forward()) * ray; };
-        return session_.moveLight(handle_->light, handle_->start + inPlane(to) - inPlane(from));
-    }
-    // Where the axis comes nearest to the ray.
-    glm::dvec3 axis(0);
-    axis[handle_->axis] = 1;
-    const auto nearest = [&](const glm::dvec3& ray) {
-        const double b = glm::dot(axis, ray), free = 1 - b * b;
-        const glm::dvec3 w = handle_->start - eye;
-        return free > 1e-6 ? (b * glm::dot(ray, w) - glm::dot(axis, w)) / free : 0.0;
-    };
-    session_.moveLight(handle_->light, handle_->start + (nearest(to) - nearest(from)) * axis);
 }
 
 void Viewer::scroll(double amount) {
@@ -558,7 +512,7 @@ void Viewer::drawOverlays() {
         if (session_.sliceShown && session_.slice) drawSlicePlane(projection);
     }
     if (session_.inspection) drawCones(projection);
-    if (session_.showLights) drawLights(Projection(session_.camera.camera(), rect_));
+    gizmo_.draw(session_, Projection(session_.camera.camera(), rect_), uiScale_);
     list.PopClipRect();
 }
 
@@ -622,25 +576,6 @@ void Viewer::drawLevels(const Projection& projection) {
             list.AddCircle(vec(*eye), 6 * uiScale_, 0xffffffff);
             list.AddText(vec(*eye + glm::dvec2(8 * uiScale_, -6 * uiScale_)), 0xffffffff, "clipmap");
         }
-    }
-}
-
-void Viewer::drawLights(const Projection& projection) {
-    ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    for (std::size_t i = 0; i < session_.lights.size(); ++i) {
-        const auto position = session_.lightPosition(i);
-        const auto place = position ? projection.point(*position) : std::nullopt;
-        if (!place) continue;
-        const bool movable = session_.movable(i);
-        list.AddCircleFilled(vec(*place), 5 * uiScale_, movable ? 0xff60e0ff : 0xff808080);
-        list.AddCircle(vec(*place), 8 * uiScale_, 0xff000000, 0, 1.5f * uiScale_);
-        list.AddText(vec(*place + glm::dvec2(10 * uiScale_, -6 * uiScale_)), 0xffffffff,
-                     session_.lights[i].name.c_str());
-        if (!movable || static_cast<int>(i) != session_.selectedLight) continue;
-        constexpr ImU32 kAxes[3] = {0xff4040ff, 0xff40ff40, 0xffff6040};
-        for (int axis = 0; axis < 3; ++axis)
-            if (const auto line = projection.line(*position, handleEnd(projection, *position, axis, uiScale_)))
-                list.AddLine(vec(line->first), vec(line->second), kAxes[axis], 3 * uiScale_);
     }
 }
 

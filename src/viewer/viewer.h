@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "metric/image.h"
+#include "viewer/gizmo.h"
 #include "viewer/panels.h"
 #include "viewer/session.h"
 #include "viewer/window.h"
@@ -80,9 +81,6 @@ class Viewer {
     void drawOverlays();
     void drawLevels(const Projection& projection);
     void drawFlashes(const Projection& projection);
-    void drawLights(const Projection& projection);
-    bool takeHandle();
-    void dragHandle();
     void drawCones(const Projection& projection);
     void drawSlicePlane(const Projection& projection);
     void drawOpenDialog();
@@ -107,14 +105,7 @@ class Viewer {
 
     std::deque<Event> events_;  ///< not yet handled
     std::set<int> down_;        ///< keys that the scene has, not a text field
-    /// A light that is being dragged along an axis, or with −1 in the plane of the picture.
-    struct Handle {
-        std::size_t light = 0;
-        int axis = -1;
-        glm::dvec3 start{0};        ///< world position of the light
-        glm::dvec2 startCursor{0};  ///< screen
-    };
-    std::optional<Handle> handle_;
+    Gizmo gizmo_;
     int drag_ = -1;  ///< button that turns the camera
     int dragMods_ = 0;
     glm::dvec2 cursor_{0};

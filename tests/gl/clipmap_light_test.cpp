@@ -153,7 +153,8 @@ TEST_F(ClipmapLight, ABudgetArrivesAtTheVoxelsOfAnExactUpdate) {
     const auto show = [&](const glm::dvec3& eye, double time) {
         gpuScene.setTime(time);
         std::vector<Bounds> moved;
-        for (const Bounds& b : gpuScene.takeMoved()) moved.push_back({b.min - voxels.origin, b.max - voxels.origin});
+        for (const Bounds& b : gpuScene.takeMoved().moving)
+            moved.push_back({b.min - voxels.origin, b.max - voxels.origin});
         voxels.center = eye - voxels.origin;
         const ClipmapUpdate update = schedule.next(voxels.center, moved);
         if (!update.empty()) voxelizer.update(gpuScene, update, voxels, timers);

@@ -308,12 +308,12 @@ TEST_F(GlTest, MovedBoxesAreThoseLeftAndEntered) {
                       .build();
     animateRotation(scene, 0, 90);
     GpuScene gpu(scene);
-    EXPECT_TRUE(gpu.takeMoved().empty());
+    EXPECT_TRUE(gpu.takeMoved().moving.empty());
     gpu.setTime(0);
-    EXPECT_TRUE(gpu.takeMoved().empty());
+    EXPECT_TRUE(gpu.takeMoved().moving.empty());
     gpu.setTime(0.5);
     gpu.setTime(1);
-    const std::vector<Bounds> moved = gpu.takeMoved();
+    const std::vector<Bounds> moved = gpu.takeMoved().moving;
     ASSERT_EQ(moved.size(), 2u);
     for (int axis = 0; axis < 3; ++axis) {
         EXPECT_NEAR(moved[0].max[axis], glm::dvec3(1, 0.5, 0.5)[axis], 1e-6);
@@ -321,7 +321,26 @@ TEST_F(GlTest, MovedBoxesAreThoseLeftAndEntered) {
         EXPECT_NEAR(moved[1].min[axis], -moved[1].max[axis], 1e-6);
     }
     gpu.setTime(2);  // the animation has ended
-    EXPECT_TRUE(gpu.takeMoved().empty());
+    EXPECT_TRUE(gpu.takeMoved().moving.empty());
+}
+
+TEST_F(GlTest, WhatWasPutElsewhereIsToldApartFromWhatMoves) {
+    Scene scene = test::SceneBuilder()
+                      .add(test::box(glm::dvec3(1)), test::lambert(0.5f))
+                      .add(test::box(glm::dvec3(1)), test::lambert(0.5f))
+                      .build();
+    animateRotation(scene, 0, 90);
+    GpuScene gpu(scene);
+    scene.nodes[1].hasMatrix = false;
+    scene.nodes[1].translation = {3, 0, 0};
+    EXPECT_TRUE(gpu.takeMoved().fixed.empty());
+    gpu.setTime(1);
+    const GpuScene::Moved moved = gpu.takeMoved();
+    EXPECT_EQ(moved.moving.size(), 2u);
+    ASSERT_EQ(moved.fixed.size(), 2u);
+    EXPECT_NEAR(moved.fixed[0].max.x, 0.5, 1e-6);
+    EXPECT_NEAR(moved.fixed[1].max.x, 3.5, 1e-6);
+    EXPECT_NEAR(gpu.bounds().max.x, 3.5, 1e-6);
 }
 
 TEST_F(GlTest, DeformedInstancesAreDrawnWhereTheirJointsAre) {
@@ -364,14 +383,14 @@ TEST_F(GlTest, DeformedInstancesAreDrawnWhereTheirJointsAre) {
     EXPECT_EQ(drawn(left), quadTriangles);
     EXPECT_EQ(drawn(right), quadTriangles);
     EXPECT_NEAR(gpu.bounds().max.x, 10.5, 1e-6);
-    const std::vector<Bounds> moved = gpu.takeMoved();
+    const std::vector<Bounds> moved = gpu.takeMoved().moving;
     ASSERT_EQ(moved.size(), 2u);
     EXPECT_NEAR(moved[0].max.x, 0.5, 1e-6);
     EXPECT_NEAR(moved[1].min.x, 9.5, 1e-6);
     gpu.reverseDrawOrder();
     EXPECT_EQ(drawn(right), quadTriangles);
     gpu.setTime(2);
-    EXPECT_TRUE(gpu.takeMoved().empty());
+    EXPECT_TRUE(gpu.takeMoved().moving.empty());
 }
 
 }  // namespace

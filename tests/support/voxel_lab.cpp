@@ -93,7 +93,7 @@ void ClipmapLab::show(const glm::dvec3& eye, double time) {
     gpuScene_.setTime(time);
     voxels_.center = eye - origin;
     std::vector<Bounds> moved;
-    for (const Bounds& box : gpuScene_.takeMoved()) moved.push_back({box.min - origin, box.max - origin});
+    for (const Bounds& box : gpuScene_.takeMoved().moving) moved.push_back({box.min - origin, box.max - origin});
     voxelizer_.update(gpuScene_, schedule_.next(voxels_.center, moved), voxels_, timers_);
 }
 

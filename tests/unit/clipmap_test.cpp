@@ -572,6 +572,37 @@ TEST_F(Schedule, ExactUpdatesAreOfWhatMovedAndNoMore) {
     }
 }
 
+TEST_F(Schedule, WhatWasPutElsewhereIsRenewedInBothLayers) {
+    for (int run = 0; run < 200; ++run) {
+        const ClipmapLayout l = layout(run % 2);
+        const bool anyMoving = run % 3 != 0;
+        ClipmapSchedule schedule(l, 0, anyMoving);
+        glm::dvec3 eye = camera(l);
+        std::vector<VoxelBox> windows = schedule.next(eye, {}, moves(l, eye)).windows;
+        for (int frame = 0; frame < 5; ++frame) {
+            eye = step(l, eye);
+            const std::vector<Bounds> placed = moves(l, eye);
+            const ClipmapUpdate update = schedule.next(eye, {}, placed);
+            for (int level = 0; level < l.levels; ++level) {
+                const VoxelBox wanted = clipmapWindow(l, level, eye);
+                std::vector<VoxelBox> touched = exposedSlabs(windows[static_cast<std::size_t>(level)], wanted);
+                for (const Bounds& b : placed) touched.push_back(voxelBox(b, l.voxelSizeOf(level)));
+                const std::vector<VoxelBox> fixed = ofLevel(update.fixed, level);
+                disjointVolume(fixed);
+                for (const VoxelBox& box : fixed) EXPECT_EQ(intersection(box, wanted), box);
+                const std::vector<VoxelBox> moving = ofLevel(update.moving, level);
+                for (int k = 0; k < 30; ++k) {
+                    const glm::ivec3 voxel = indexIn(wanted);
+                    EXPECT_EQ(anyContains(fixed, voxel), anyContains(touched, voxel));
+                    EXPECT_EQ(anyContains(moving, voxel), anyMoving && anyContains(touched, voxel));
+                }
+            }
+            windows = update.windows;
+        }
+        EXPECT_TRUE(schedule.next(eye, {}).empty());
+    }
+}
+
 TEST_F(Schedule, ABudgetIsKeptUnlessALevelCannotWait) {
     for (int run = 0; run < 200; ++run) {
         const ClipmapLayout l = layout(run % 2);

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "scene/placement.h"
 
 namespace voxcone {
 namespace {
@@ -442,7 +443,9 @@ TEST_F(ScriptObjects, AMatrixIsTakenApartUnlessItShears) {
 TEST_F(ScriptObjects, WrongOnesAreNamed) {
     EXPECT_EQ(with("/objects/0/node", "triange"),
               "script.json: objects[0].node: the scene has no node \"triange\"; did you mean \"triangle\"?");
-    EXPECT_EQ(with("/objects/0/node", "twin"), "script.json: objects[0].node: the scene has several nodes \"twin\"");
+    EXPECT_EQ(
+        with("/objects/0/node", "twin"),
+        "script.json: objects[0].node: the scene has several nodes \"twin\"; an index of the file's nodes is unique");
     EXPECT_EQ(with("/objects", json::object()), "script.json: objects: must be an array");
     EXPECT_EQ(with("/objects", {script_["objects"][0], script_["objects"][0]}),
               "script.json: objects[1].node: is moved by an object before");
@@ -459,6 +462,129 @@ TEST_F(ScriptObjects, WrongOnesAreNamed) {
         "script.json: objects[0].path[1].rotation: must differ by less than 180 degrees from that of the key before");
     write("scene.gltf", triangleScene(false, true).dump());
     EXPECT_EQ(with("/version", 1), "script.json: objects[0].node: the scene has no nodes with names");
+}
+
+TEST_F(ScriptObjects, ArePutElsewhereWithoutAPath) {
+    script_["objects"] = json::parse(R"([{"node": "triangle", "translation": [2, 0.1, 0], "scale": [1, 3, 1]}])");
+    CaptureScript script = load();
+    // The file still turns it about y.
+    ASSERT_EQ(script.scene.animations.size(), 1u);
+    expectNear(moved(script, 0, {1, 1, 0}), {3, 3.1, 0});
+    expectNear(moved(script, 1, {1, 1, 0}), {1, 3.1, 0});
+    EXPECT_EQ(script.scene.nodes[0].translation, glm::dvec3(2, 0.1, 0)) << "bit for bit";
+    EXPECT_EQ(script.scene.nodes[1].translation, glm::dvec3(0, 0, 3)) << "others stay";
+
+    // A rotation replaces that of the file, and then nothing moves any more. About x, then y, then z.
+    script_["objects"] = json::parse(R"([{"node": 0, "rotation": [90, 0, 90]}])");
+    script = load();
+    EXPECT_TRUE(script.scene.animations.empty());
+    for (const double time : {0.0, 1.0}) expectNear(moved(script, time, {0, 1, 0}), {0, 0, 1});
+    EXPECT_EQ(script.scene.movingInstances(), std::vector<std::uint8_t>{0});
+
+    // Nodes without a unique name have an index in the file; a path may leave properties to a place.
+    script_["objects"] = json::parse(R"([{"node": 2, "translation": [5, 6, 7]}, {"node": "triangle",
+        "scale": [2, 2, 2], "path": [{"time": 0, "translation": [0, 0, 0]}, {"time": 1, "translation": [1, 0, 0]}]}])");
+    script = load();
+    EXPECT_EQ(script.scene.nodes[2].translation, glm::dvec3(5, 6, 7));
+    expectNear(moved(script, 0, {1, 1, 0}), {2, 2, 0});
+    expectNear(moved(script, 1, {1, 1, 0}), {1 - 2, 2, 0});
+}
+
+TEST_F(ScriptObjects, WrongPlacesAreNamed) {
+    const auto object = [&](const char* text) { return with("/objects", json::array({json::parse(text)})); };
+    EXPECT_EQ(object(R"({"node": "triangle"})"),
+              "script.json: objects[0]: has neither translation, rotation or scale nor a path of them");
+    EXPECT_EQ(object(R"({"node": 7, "translation": [0, 0, 0]})"),
+              "script.json: objects[0].node: the scene that is shown has no nodes[7]");
+    EXPECT_THAT(object(R"({"node": true, "translation": [0, 0, 0]})"), HasSubstr("objects[0].node: must be a string"));
+    EXPECT_THAT(object(R"({"node": 0, "scale": [1, 0, 1]})"), HasSubstr("objects[0].scale[1]: 0 is out of range"));
+    EXPECT_THAT(object(R"({"node": 0, "scale": 2})"), HasSubstr("objects[0].scale: must be"));
+    EXPECT_THAT(object(R"({"node": 0, "translation": [1, 2]})"), HasSubstr("objects[0].translation: must be"));
+    EXPECT_THAT(object(R"({"node": 0, "rotation": [0, 1e6, 0]})"), HasSubstr("objects[0].rotation[1]: 1000000.0 is"));
+    EXPECT_THAT(object(R"({"node": 0, "translate": [1, 2, 3]})"), HasSubstr("did you mean \"translation\"?"));
+    EXPECT_EQ(
+        object(R"({"node": 0, "translation": [1, 2, 3], "interpolation": "linear"})").find("script.json: objects[0]"),
+        0u);
+    EXPECT_EQ(object(R"({"node": 0, "translation": [1, 2, 3],
+                         "path": [{"time": 0, "translation": [0, 0, 0]}, {"time": 1, "translation": [1, 0, 0]}]})"),
+              "script.json: objects[0].translation: is given by the path");
+    EXPECT_EQ(with("/objects", json::parse(R"([{"node": "triangle", "translation": [0, 0, 0]},
+                                               {"node": 0, "scale": [1, 1, 1]}])")),
+              "script.json: objects[1].node: is moved by an object before");
+}
+
+/// A scene with a point light "bulb", a spot "lamp" and two suns of one name, on nodes that are moved.
+class SceneLights : public Script {
+  protected:
+    SceneLights() {
+        json scene = triangleScene(false, true);
+        scene["extensions"]["KHR_lights_punctual"]["lights"] = json::parse(R"([
+            {"type": "point", "name": "bulb", "intensity": 5, "range": 9}, {"type": "directional", "name": "sun"},
+            {"type": "spot", "name": "lamp", "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.5}}])");
+        scene["extensionsUsed"] = {"KHR_lights_punctual"};
+        for (const int light : {0, 1, 2, 1}) {
+            scene["scenes"][0]["nodes"].push_back(scene["nodes"].size());
+            scene["nodes"].push_back({{"translation", {0, 2, 0}}});
+            scene["nodes"].back()["extensions"]["KHR_lights_punctual"]["light"] = light;
+        }
+        write("scene.gltf", scene.dump());
+    }
+    std::string entry(const char* text) { return with("/scene_lights", json::array({json::parse(text)})); }
+};
+
+TEST_F(SceneLights, AreChangedByNameOrIndex) {
+    script_["scene_lights"] = json::parse(R"([
+        {"light": "bulb", "position": [0.1, 0, 0], "intensity": [1, 2, 3], "range": 4},
+        {"light": "lamp", "direction": [0, -2, 0], "outer_cone_deg": 60},
+        {"light": 3, "direction": [0, -1, 0], "angular_radius_deg": 0.5}, {"light": 1, "off": true}])");
+    const CaptureScript script = load();
+    const std::vector<Light>& lights = script.scene.lights;
+    ASSERT_EQ(lights.size(), 4u + 5u) << "those of the script come after those of the glTF";
+    EXPECT_EQ(lights[0].position, glm::dvec3(0.1, 0, 0));
+    EXPECT_EQ(lights[0].intensity, glm::vec3(1, 2, 3));
+    EXPECT_EQ(lights[0].range, 4);
+    // The place is one in the node's space.
+    expectNear(script.scene.lightsAt()[0].position, {0.1, 2, 0});
+    EXPECT_EQ(lights[2].direction, glm::dvec3(0, -1, 0));
+    EXPECT_EQ(lights[2].outerConeAngle, glm::radians(60.0));
+    EXPECT_EQ(lights[2].innerConeAngle, 0.1) << "what is absent stays";
+    EXPECT_EQ(lights[1].intensity, glm::vec3(0));
+    EXPECT_EQ(lights[3].intensity, glm::vec3(1));
+    EXPECT_EQ(lights[3].angularRadius, glm::radians(0.5));
+}
+
+TEST_F(SceneLights, WrongChangesAreNamed) {
+    EXPECT_EQ(entry(R"({"light": "bulp"})"),
+              "script.json: scene_lights[0].light: the glTF has no light \"bulp\"; it has \"bulb\", \"sun\", "
+              "\"lamp\", \"sun\"");
+    EXPECT_EQ(entry(R"({"light": "sun", "off": true})"),
+              "script.json: scene_lights[0].light: the glTF has several lights \"sun\"; an index is unique");
+    EXPECT_THAT(entry(R"({"light": 4, "off": true})"), HasSubstr("scene_lights[0].light: 4 is out of range: 0 to 3"));
+    EXPECT_THAT(entry(R"({"off": true})"), HasSubstr("scene_lights[0].light: is missing"));
+    EXPECT_THAT(entry(R"({"light": 1, "position": [0, 0, 0]})"), HasSubstr("scene_lights[0].position: unknown key"));
+    EXPECT_THAT(entry(R"({"light": 0, "direction": [0, 1, 0]})"), HasSubstr("scene_lights[0].direction: unknown key"));
+    EXPECT_THAT(entry(R"({"light": 2, "direction": [0, 0, 0]})"), HasSubstr("direction: must not be zero"));
+    EXPECT_THAT(entry(R"({"light": 2, "inner_cone_deg": 50})"), HasSubstr("inner_cone_deg: must be below"));
+    EXPECT_THAT(entry(R"({"light": 0, "intensity": -1})"), HasSubstr("scene_lights[0].intensity: -1 is out of range"));
+    EXPECT_THAT(entry(R"({"light": 0, "intensity": 1, "off": true})"), HasSubstr("scene_lights[0].intensity: is that"));
+    EXPECT_EQ(with("/scene_lights", json::parse(R"([{"light": 0, "off": true}, {"light": "bulb", "off": true}])")),
+              "script.json: scene_lights[1].light: is changed by an entry before");
+    EXPECT_EQ(with("/scene_lights", json::object()), "script.json: scene_lights: must be an array");
+    write("scene.gltf", triangleScene(false, true).dump());
+    EXPECT_EQ(entry(R"({"light": 0, "off": true})"), "script.json: scene_lights[0].light: the glTF has no lights");
+}
+
+TEST(Placement, DegreesAreThoseOfTheRotation) {
+    for (double x = -180; x <= 180; x += 45) {
+        for (double y = -90; y <= 90; y += 30) {
+            for (double z = -170; z <= 180; z += 70) {
+                const glm::dquat q = rotationFromDegrees({x, y, z}), back = rotationFromDegrees(degreesOf(q));
+                EXPECT_NEAR(std::abs(glm::dot(q, back)), 1, 1e-12) << x << " " << y << " " << z;
+            }
+        }
+    }
+    const glm::dvec3 plain(20, -30, 140), same = degreesOf(rotationFromDegrees(plain));
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(same[i], plain[i], 1e-10);
 }
 
 TEST_F(Script, VoxelViewsHaveLevels) {

@@ -627,6 +627,168 @@ TEST_F(ViewerTest, LightsAreDraggedInThePicture) {
     key(GLFW_KEY_G);
 }
 
+/// A glTF whose nodes stand as those of `scene` do, beside the one it was read from.
+void writePlaced(const fs::path& from, const fs::path& to, const Scene& scene) {
+    json tree = json::parse(std::ifstream(from));
+    for (json& buffer : tree["buffers"])
+        buffer["uri"] = fs::relative(from.parent_path() / buffer["uri"], to.parent_path());
+    for (const Node& node : scene.nodes) {
+        json& n = tree["nodes"][static_cast<std::size_t>(node.fileIndex)];
+        n["translation"] = {node.translation.x, node.translation.y, node.translation.z};
+        n["rotation"] = {node.rotation.x, node.rotation.y, node.rotation.z, node.rotation.w};
+        n["scale"] = {node.scale.x, node.scale.y, node.scale.z};
+    }
+    std::ofstream(to) << tree.dump();
+}
+
+TEST_F(ViewerTest, ObjectsAreDraggedInThePicture) {
+    const Camera camera = session().camera.camera();
+    // A click with Alt selects what lies there.
+    const auto node = [&](const char* name) {
+        const auto& nodes = session().facts->outline.nodes;
+        return static_cast<int>(
+            std::find_if(nodes.begin(), nodes.end(), [&](const Node& n) { return n.name == name; }) - nodes.begin());
+    };
+    const int cube = node("cube"), sphere = node("sphere");
+    const auto middle = [&] {
+        return *Projection(session().camera.camera(), viewer().pictureRect())
+                    .point(session().nodeBounds(session().selectedNode).center());
+    };
+    const auto pick = [&](const glm::dvec3& at) {
+        moveTo(*Projection(session().camera.camera(), viewer().pictureRect()).point(at));
+        turns(2);
+        press(GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS, GLFW_MOD_ALT);
+        press(GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE, GLFW_MOD_ALT);
+        turns(3);
+    };
+    pick(session().nodeBounds(sphere).center());
+    ASSERT_TRUE(turnUntil([&] { return session().selectedNode == sphere; }));
+    pick(session().nodeBounds(cube).center());
+    ASSERT_TRUE(turnUntil([&] { return session().selectedNode == cube; }));
+    EXPECT_EQ(session().camera.camera().position, camera.position);
+
+    // By its middle it follows the cursor, and light with it before the button is released.
+    const Image before = session().picture->image;
+    const glm::dvec2 from = middle(), to = from + glm::dvec2(-22, -9);
+    moveTo(from);
+    turns(2);
+    press(GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS);
+    turns(1);
+    moveTo(to);
+    ASSERT_TRUE(turnUntil([&] {
+        return session().picture->view.placing && !session().picture->view.placed.empty() &&
+               session().picture->divisor == 1;
+    }));
+    EXPECT_FALSE(session().picture->finished) << "while it is dragged";
+    EXPECT_LT(glm::length(middle() - to), 1.0) << "stays below the cursor";
+    press(GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE);
+    turns(2);
+    ASSERT_TRUE(settle());
+    EXPECT_NE(session().picture->image.data, before.data);
+
+    // Turned by the ring about y, which is seen from above, and stretched along x.
+    const glm::dvec3 center = session().nodeBounds(cube).center();
+    key(GLFW_KEY_T);
+    const Projection projection(session().camera.camera(), viewer().pictureRect());
+    const double length = 70 / projection.scaleAt(center);
+    const glm::dvec2 front = *projection.point(center + length * glm::normalize(glm::dvec3(1, 0, 1)));
+    drag(GLFW_MOUSE_BUTTON_LEFT, front, front + glm::dvec2(20, -5));
+    ASSERT_TRUE(session().placed[cube].rotation.has_value());
+    EXPECT_GT(session().placed[cube].rotation->y, 5) << "counter-clockwise, as its front goes to the right";
+    EXPECT_LT(glm::length(session().nodeBounds(cube).center() - center), 1e-9) << "about its middle";
+    key(GLFW_KEY_T);
+    const glm::dmat4 pose = session().scene().worldMatrices(0)[static_cast<std::size_t>(cube)];
+    const glm::dvec2 tip = *projection.point(center + length * glm::normalize(glm::dvec3(pose[0])));
+    drag(GLFW_MOUSE_BUTTON_LEFT, tip, tip + 0.5 * (tip - middle()));
+    ASSERT_TRUE(session().placed[cube].scale.has_value());
+    EXPECT_GT(session().placed[cube].scale->x, 1.2);
+    EXPECT_EQ(session().placed[cube].scale->y, 1);
+    key(GLFW_KEY_T);
+    EXPECT_EQ(session().camera.camera().position, camera.position);
+
+    // The script and a glTF that is edited so give the same picture, bit for bit.
+    ASSERT_TRUE(settle());
+    const fs::path picture = screenshot();
+    key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+    ASSERT_TRUE(lastMessage().starts_with("wrote ")) << lastMessage();
+    const fs::path script = lastMessage().substr(6);
+    EXPECT_TRUE(json::parse(std::ifstream(script)).contains("objects"));
+    expectSamePictures(picture, capture(script));
+    json edited = json::parse(std::ifstream(script));
+    edited.erase("objects");
+    writePlaced(edited["scene"].get<std::string>(), folder() / "edited.gltf", session().scene());
+    edited["scene"] = "edited.gltf";
+    std::ofstream(folder() / "edited.json") << edited.dump();
+    expectSamePictures(picture, capture(folder() / "edited.json"));
+
+    // Each drag is one step, and all the way back is the picture as it was opened.
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_FALSE(session().placed.empty());
+        key(GLFW_KEY_Z, GLFW_MOD_CONTROL);
+    }
+    EXPECT_TRUE(session().placed.empty());
+    ASSERT_TRUE(settle());
+    EXPECT_EQ(session().picture->image.data, before.data);
+    key(GLFW_KEY_Y, GLFW_MOD_CONTROL);
+    EXPECT_TRUE(session().placed.contains(cube));
+    key(GLFW_KEY_ESCAPE);
+    EXPECT_EQ(session().selectedNode, -1);
+}
+
+TEST_F(ViewerTest, LightsOfTheSceneAreDraggedTurnedAndWritten) {
+    json scene = json::parse(std::ifstream(VOXCONE_SOURCE_DIR "/assets/scenes/basic.gltf"));
+    for (json& buffer : scene["buffers"])
+        buffer["uri"] = fs::relative(fs::path(VOXCONE_SOURCE_DIR "/assets/scenes") / buffer["uri"], folder());
+    scene["extensionsUsed"] = {"KHR_lights_punctual"};
+    scene["extensions"]["KHR_lights_punctual"]["lights"] =
+        json::parse(R"([{"type": "spot", "name": "lamp", "intensity": 4, "spot": {"outerConeAngle": 0.6}}])");
+    scene["scenes"][0]["nodes"].push_back(scene["nodes"].size());
+    scene["nodes"].push_back({{"translation", {0.3, 1.4, 0.3}}, {"rotation", {-0.6, 0, 0, 0.8}}, {"scale", {2, 2, 2}}});
+    scene["nodes"].back()["extensions"]["KHR_lights_punctual"]["light"] = 0;
+    std::ofstream(folder() / "lit.gltf") << scene.dump();
+    json script = basicScript();
+    script["scene"] = "lit.gltf";
+    script.erase("lights");
+    std::ofstream(folder() / "lit.json") << script.dump();
+    const std::uint64_t serial = session().sceneSerial;
+    drop(folder() / "lit.json");
+    ASSERT_TRUE(turnUntil([&] { return session().sceneSerial > serial && session().settled(); }));
+    const Image before = session().picture->image;
+    const auto place = [&] {
+        return *Projection(session().camera.camera(), viewer().pictureRect()).point(*session().lightPosition(0));
+    };
+    key(GLFW_KEY_G);
+    const glm::dvec2 to = place() + glm::dvec2(-25, 14);
+    drag(GLFW_MOUSE_BUTTON_LEFT, place(), to);
+    EXPECT_LT(glm::length(place() - to), 0.5);
+    key(GLFW_KEY_T);
+    const glm::dvec3 was = *session().lightDirection(0);
+    const Projection projection(session().camera.camera(), viewer().pictureRect());
+    const glm::dvec3 at = *session().lightPosition(0);
+    const glm::dvec2 grip = *projection.point(at + glm::dvec3(0, 70 / projection.scaleAt(at), 0));
+    drag(GLFW_MOUSE_BUTTON_LEFT, grip, grip + glm::dvec2(15, 0));
+    EXPECT_LT(glm::dot(*session().lightDirection(0), was), 0.999);
+    EXPECT_NEAR(glm::length(*session().lightDirection(0)), 1, 1e-12);
+    ASSERT_TRUE(settle());
+    EXPECT_NE(session().picture->image.data, before.data);
+    const fs::path picture = screenshot();
+    key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+    ASSERT_TRUE(lastMessage().starts_with("wrote ")) << lastMessage();
+    EXPECT_FALSE(session().messages.back().error);
+    const fs::path written = lastMessage().substr(6);
+    EXPECT_EQ(json::parse(std::ifstream(written))["scene_lights"][0]["light"], "lamp");
+    expectSamePictures(picture, capture(written));
+    // Two steps back.
+    key(GLFW_KEY_Z, GLFW_MOD_CONTROL);
+    EXPECT_LT(glm::length(*session().lightDirection(0) - was), 1e-12);
+    key(GLFW_KEY_Z, GLFW_MOD_CONTROL);
+    EXPECT_EQ(session().lights, session().facts->outline.lights);
+    ASSERT_TRUE(settle());
+    EXPECT_EQ(session().picture->image.data, before.data);
+    session().gizmoMode = GizmoMode::move;
+    key(GLFW_KEY_G);
+}
+
 TEST_F(ViewerTest, HeldPicturesAreCompared) {
     key(GLFW_KEY_H);
     ASSERT_TRUE(session().held.has_value());

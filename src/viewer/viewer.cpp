@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "frame/tone_curve.h"
+#include "gl/framebuffer.h"
 
 namespace voxcone {
 
@@ -503,20 +504,14 @@ void Viewer::draw() {
     drawOpenDialog();
     if (help_) drawHelp(help_);
     ImGui::Render();
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    glViewport(0, 0, pixels.x, pixels.y);
-    glClearColor(0.1f, 0.1f, 0.1f, 1);
-    glClear(GL_COLOR_BUFFER_BIT);
+    gl::beginWindow(pixels.x, pixels.y, glm::vec3(0.1f));
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
 Image Viewer::readWindow() {
     const glm::ivec2 size = window_.framebufferSize();
     draw();
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(3 * size.x * size.y));
-    glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glReadBuffer(GL_BACK);
-    glReadPixels(0, 0, size.x, size.y, GL_RGB, GL_UNSIGNED_BYTE, bytes.data());
+    const std::vector<std::uint8_t> bytes = gl::readWindow(size.x, size.y);
     window_.swap();
     Image image(size.x, size.y, 3);
     for (int y = 0; y < size.y; ++y)

@@ -22,6 +22,7 @@
 #include "frame/voxel_view.h"
 #include "gl/context.h"
 #include "gl/texture.h"
+#include "viewer/flicker_frame.h"
 #include "viewer/settings_history.h"
 
 namespace voxcone {
@@ -37,6 +38,7 @@ struct View {
     std::vector<Light> lights;  ///< in the place of the scene's, when they are as many
     VoxelViewOptions voxels;    ///< of voxel views
     double triangles = 0;       ///< share of `beauty` that is mixed into a voxel view, 0 to 1
+    Watched watched = Watched::none;
 };
 
 /// Whether the channel needs voxels and G-buffer alone, without light on the visible surfaces.
@@ -69,6 +71,7 @@ struct Picture {
     double milliseconds = 0;  ///< from taking up the view's stage to the finished texture
     Image position;           ///< channel `position` in this picture's size; empty while the view moves
     Image image;              ///< of a finished picture at rest: the channel as an EXR holds it
+    std::shared_ptr<const WatchedFrame> watched;  ///< of every picture, when the view asks for it
 };
 
 /// A line for the user.

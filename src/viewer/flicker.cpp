@@ -6,25 +6,29 @@
 namespace voxcone {
 namespace {
 
-Image unknown(const Image& like) {
-    Image out(like.width, like.height, 1);
-    for (float& v : out.data) v = std::numeric_limits<float>::quiet_NaN();
-    return out;
+/// Takes over what is larger in magnitude, and what is not known yet.
+void merge(Image& into, const Image& from) {
+    for (std::size_t i = 0; i < into.data.size(); ++i) {
+        float& value = into.data[i];
+        if (std::isnan(value) || std::abs(from.data[i]) > std::abs(value)) value = from.data[i];
+    }
 }
 
 }  // namespace
 
+Image FlickerTrail::Layer::at(const WatchedFrame& now) const {
+    if (on) return carried(values, on->frame, now.frame);
+    Image none(now.frame.position.width, now.frame.position.height, 1);
+    for (float& v : none.data) v = std::numeric_limits<float>::quiet_NaN();
+    return none;
+}
+
 FlickerPicture FlickerTrail::add(const std::shared_ptr<const WatchedFrame>& now) {
-    if (last_ && last_->what != now->what) clear();
+    if (latest_.on && latest_.on->what != now->what) clear();
     const Image& position = now->frame.position;
     std::shared_ptr<const WatchedFrame>& before = before_[{position.width, position.height}];
-    FlickerPicture out;
-    const auto carry = [&](const Image& values) {
-        return last_ ? carried(values, last_->frame, now->frame) : unknown(position);
-    };
-    out.held = carry(latest_.held);
     const bool compared = before || now->what == Watched::seam;
-    out.known = compared || latest_.known;
+    FlickerPicture out;
     if (now->what == Watched::seam) {
         out.change = now->seam;
     } else if (before) {
@@ -32,22 +36,34 @@ FlickerPicture FlickerTrail::add(const std::shared_ptr<const WatchedFrame>& now)
         out.change = std::move(map.change);
         out.figures = map.figures;
     } else {
-        out.change = carry(latest_.change);
+        out.change = latest_.at(*now);
     }
-    for (std::size_t i = 0; compared && i < out.held.data.size(); ++i) {
-        float& held = out.held.data[i];
-        const float change = out.change.data[i];
-        if (std::isnan(held) || std::abs(change) > std::abs(held)) held = change;
-    }
-    before = last_ = now;
-    latest_ = out;
-    return out;
-}
+    before = now;
+    latest_ = {out.change, now};
 
-void FlickerTrail::clear() {
-    before_.clear();
-    last_.reset();
-    latest_ = {};
+    // The view of these stages was given up: nothing finer will say it better.
+    if (stage_.on && stage_.on->view != now->view) {
+        Image sum = small_.at(*stage_.on);
+        merge(sum, stage_.values);
+        small_ = {std::move(sum), stage_.on};
+        stage_ = {};
+    }
+    out.held = held_.at(*now);
+    merge(out.held, small_.at(*now));
+    if (compared) {
+        merge(out.held, out.change);
+    } else {
+        merge(out.held, stage_.at(*now));
+    }
+    if (!held_.on || position.width >= held_.values.width) {
+        held_ = {out.held, now};
+        small_ = stage_ = {};
+    } else if (compared) {
+        stage_ = {out.change, now};
+    }
+    known_ = known_ || compared;
+    out.known = known_;
+    return out;
 }
 
 void Flicker::take(const std::shared_ptr<const WatchedFrame>& frame) {

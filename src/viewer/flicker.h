@@ -22,17 +22,27 @@ struct FlickerPicture {
 };
 
 /// Follows the pictures one by one. Each is compared with the last one of the same size, so that neither stages of
-/// refinement nor other resolutions count as change.
+/// refinement nor other resolutions count as change. What is held keeps the resolution of the largest pictures: changes
+/// in smaller ones go into it only if their view was given up before it had that size.
 class FlickerTrail {
   public:
     FlickerPicture add(const std::shared_ptr<const WatchedFrame>& now);
     /// Forgets all pictures.
-    void clear();
+    void clear() { *this = {}; }
 
   private:
+    /// Values by surface, and the picture that they lie on.
+    struct Layer {
+        Image values;
+        std::shared_ptr<const WatchedFrame> on;
+        Image at(const WatchedFrame& now) const;
+    };
     std::map<std::pair<int, int>, std::shared_ptr<const WatchedFrame>> before_;  ///< by size
-    std::shared_ptr<const WatchedFrame> last_;                                   ///< that latest_ lies on
-    FlickerPicture latest_;
+    Layer latest_;                                                               ///< the last change
+    Layer held_;                                                                 ///< of pictures of the largest size
+    Layer small_;                                                                ///< of smaller ones since then
+    Layer stage_;  ///< of the stages of a view that may still become as large as held_
+    bool known_ = false;
 };
 
 /// The window's side of it: pictures go to a thread, results come back.

@@ -7,9 +7,11 @@
 
 namespace voxcone {
 
-std::shared_ptr<const WatchedFrame> watchedFrame(Renderer& renderer, Watched what, const Camera& camera) {
+std::shared_ptr<const WatchedFrame> watchedFrame(Renderer& renderer, Watched what, const Camera& camera,
+                                                 std::uint64_t view) {
     auto out = std::make_shared<WatchedFrame>();
     out->what = what;
+    out->view = view;
     out->frame = temporalFrame(renderer, camera);
     if (what == Watched::seam) out->seam = renderer.channel("seam");
     if (what == Watched::beauty) {

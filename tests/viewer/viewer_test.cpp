@@ -17,7 +17,9 @@
 #include "capture/capture.h"
 #include "capture/output.h"
 #include "gl/context.h"
+#include "metric/flip.h"
 #include "metric/heatmap.h"
+#include "scene/extract.h"
 
 namespace voxcone {
 namespace {
@@ -166,7 +168,8 @@ class ViewerTest : public testing::Test {
     }
     /// The first shot of a script, rendered without a window.
     static fs::path capture(const fs::path& script) {
-        const CaptureScript read = loadCaptureScript(script);
+        CaptureScript read = loadCaptureScript(script);
+        extractLights(read.scene, read.settings.light);
         const fs::path out = folder() / "capture";
         fs::remove_all(out);
         fs::path stem;
@@ -696,22 +699,23 @@ TEST_F(ViewerTest, MapsOfTheErrorLieOverThePicture) {
         }));
         return map;
     };
-    const auto relative = mapOf(ErrorMap::relative);
-    EXPECT_EQ(relative->data, relativeErrorMap(*session().held->image, session().picture->image).data);
-    for (const auto& [map, colors] :
-         {std::pair(relative, signedHeatmap(*relative, 0.5)), std::pair(mapOf(ErrorMap::hdr_flip), Image())}) {
-        const Image expected = colors.data.empty() ? heatmap(*map, 0.5) : colors;
-        session().errorMap = colors.data.empty() ? ErrorMap::hdr_flip : ErrorMap::relative;
-        ASSERT_NE(mapOf(session().errorMap), nullptr);
-        moveTo(inPicture(0.8, 0.6));
+    const auto expectShown = [&](const Image& colors) {
         turns(3);
         const Image shown = viewer().readWindow();
         for (const glm::ivec2 pixel : {glm::ivec2(120, 90), glm::ivec2(160, 70), glm::ivec2(90, 60)}) {
             const glm::ivec2 p(inPicture((pixel.x + 0.5) / 200, (pixel.y + 0.5) / 112));
             for (int c = 0; c < 3; ++c)
-                EXPECT_NEAR(shown.pixel(p.x, p.y)[c], srgbFromLinear(expected.pixel(pixel.x, pixel.y)[c]), 1.5f / 255);
+                EXPECT_NEAR(shown.pixel(p.x, p.y)[c], srgbFromLinear(colors.pixel(pixel.x, pixel.y)[c]), 1.5f / 255);
         }
-    }
+    };
+    const Image held = *session().held->image, now = session().picture->image;
+    moveTo(inPicture(0.8, 0.6));
+    const auto relative = mapOf(ErrorMap::relative);
+    EXPECT_EQ(relative->data, relativeErrorMap(held, now).data);
+    expectShown(signedHeatmap(*relative, 0.5));
+    const auto hdr = mapOf(ErrorMap::hdr_flip);
+    EXPECT_EQ(hdr->data, hdrFlip(held, now).error.data);
+    expectShown(heatmap(*hdr, 0.5));
     session().errorMap = ErrorMap::none;
     session().errorScale = 1;
     session().split = 0.5;
@@ -785,16 +789,20 @@ TEST_F(ViewerTest, TwoSettingsAreRenderedSideBySide) {
 }
 
 TEST_F(ViewerTest, OtherSettingsMayExtractOtherLights) {
-    const std::uint64_t before = session().sceneSerial;
-    session().open(VOXCONE_SOURCE_DIR "/assets/captures/cornell.json");
-    ASSERT_TRUE(turnUntil([&] { return session().sceneSerial > before && session().settled(); }));
+    Image sun(64, 32, 3);
+    std::fill(sun.data.begin(), sun.data.end(), 0.2f);
+    for (int c = 0; c < 3; ++c) sun.pixel(20, 8)[c] = 2000;
+    writeExr(folder() / "sun.exr", sun);
+    const std::size_t before = session().facts->outline.lights.size();
+    drop(folder() / "sun.exr");
+    ASSERT_TRUE(turnUntil([&] { return session().settled() && session().lights.size() > before; }));
     const std::size_t lights = session().facts->outline.lights.size();
     session().compareWith("no such preset");
     EXPECT_EQ(session().other, nullptr);
     EXPECT_THAT(lastMessage(), HasSubstr("no such preset"));
     session().compareWith("");
     Settings b = session().settings.now();
-    b.light.extractEmitters = 0;
+    b.light.extractEnvironment = 0;
     session().settings.change(b, "B");
     turns(1);
     ASSERT_TRUE(turnUntil([&] { return session().settled() && session().other->settled(); }));
@@ -802,8 +810,11 @@ TEST_F(ViewerTest, OtherSettingsMayExtractOtherLights) {
     EXPECT_EQ(session().facts->outline.lights.size(), lights);
     const Image image = session().other->picture()->image;
     EXPECT_NE(image.data, session().picture->image.data);
-    key(GLFW_KEY_S, GLFW_MOD_CONTROL);
-    EXPECT_EQ(readImage(capture(lastMessage().substr(6)).string() + ".exr").data, image.data);
+    for (const Image& shown : {image, session().picture->image}) {
+        key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+        EXPECT_EQ(readImage(capture(lastMessage().substr(6)).string() + ".exr").data, shown.data);
+        key(GLFW_KEY_X);
+    }
     // Another scene ends it.
     session().open(folder() / "basic.json");
     ASSERT_TRUE(turnUntil([&] { return session().other == nullptr; }));

@@ -42,15 +42,6 @@ void warmUp(const CaptureScript& script, gl::Context& context) {
     renderer.render(cameraAt(shot, script.scene, shot.timeOf(shot.firstFrame)));
 }
 
-/// What the temporal figure needs of the frame that was just rendered.
-TemporalFrame temporalFrame(Renderer& renderer, const Camera& camera, const Settings::Output& output) {
-    // Depth plays no part, so the near plane may lie anywhere.
-    const glm::dmat4 perspective = glm::infinitePerspective(glm::radians(camera.verticalFovDeg),
-                                                            static_cast<double>(output.width) / output.height, 1.0);
-    return {renderer.channel("indirect_diffuse"), renderer.channel("albedo"), renderer.channel("position"),
-            renderer.channel("normal"), perspective * viewMatrix(camera)};
-}
-
 json changeJson(const TemporalChange& change) {
     return {{"rms", change.rms}, {"mean", change.mean}, {"jump", change.jump()}, {"valid", change.valid}};
 }
@@ -71,6 +62,16 @@ json seamJson(const std::vector<SeamStep>& steps) {
 }
 
 }  // namespace
+
+TemporalFrame temporalFrame(Renderer& renderer, const Camera& camera) {
+    TemporalFrame out{renderer.channel("indirect_diffuse"), renderer.channel("albedo"), renderer.channel("position"),
+                      renderer.channel("normal"), viewMatrix(camera)};
+    // Depth plays no part, so the near plane may lie anywhere.
+    out.worldToClip = glm::infinitePerspective(glm::radians(camera.verticalFovDeg),
+                                               static_cast<double>(out.position.width) / out.position.height, 1.0) *
+                      out.worldToClip;
+    return out;
+}
 
 json describeDevice(const gl::DeviceInfo& info) {
     return {{"vendor", info.vendor},
@@ -121,7 +122,7 @@ std::vector<fs::path> runCapture(const CaptureScript& script, gl::Context& conte
             context.checkErrors();
             json& frameStats = stats["frames"].emplace_back(frameJson(renderer.stats(), frame, time));
             if (shot.temporal) {
-                TemporalFrame now = temporalFrame(renderer, camera, script.settings.output);
+                TemporalFrame now = temporalFrame(renderer, camera);
                 if (before) {
                     const TemporalChange change = changes.emplace_back(temporalChange(*before, now));
                     frameStats["temporal"] = changeJson(light);

@@ -6,8 +6,11 @@
 #include <vector>
 
 #include "capture/script.h"
+#include "metric/temporal.h"
 
 namespace voxcone {
+
+class Renderer;
 
 namespace gl {
 class Context;
@@ -22,6 +25,9 @@ struct DeviceInfo;
 /// files in the order written. Throws InputError for files that cannot be written, DeviceError for limits.
 std::vector<std::filesystem::path> runCapture(const CaptureScript& script, gl::Context& context,
                                               const std::filesystem::path& out);
+
+/// What the temporal figure needs of the frame that `renderer` has just rendered by `worldCamera`.
+TemporalFrame temporalFrame(Renderer& renderer, const Camera& worldCamera);
 
 /// Strings and limits of a device, for stats.json and `voxcone info`.
 nlohmann::json describeDevice(const gl::DeviceInfo& info);

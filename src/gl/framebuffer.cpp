@@ -85,6 +85,22 @@ void Framebuffer::clearDepth(float value) const {
     glClearBufferfv(GL_DEPTH, 0, &value);
 }
 
+void beginWindow(int width, int height, const glm::vec3& color) {
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glViewport(0, 0, width, height);
+    glClearColor(color.r, color.g, color.b, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+}
+
+std::vector<std::uint8_t> readWindow(int width, int height) {
+    std::vector<std::uint8_t> bytes(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadBuffer(GL_BACK);
+    glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, bytes.data());
+    return bytes;
+}
+
 VertexArray::VertexArray() {
     GLuint id = 0;
     glGenVertexArrays(1, &id);

@@ -1,7 +1,9 @@
 // Framebuffers, vertex arrays and the fixed-function state of a draw.
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
+#include <vector>
 
 #include "gl/buffer.h"
 #include "gl/handle.h"
@@ -44,6 +46,13 @@ class Framebuffer {
     Handle<Delete> handle_;
     int width_ = 0, height_ = 0, colors_ = 0;
 };
+
+/// Makes the window's own framebuffer, of `width`×`height` pixels, the draw framebuffer and fills it with one colour
+///.
+void beginWindow(int width, int height, const glm::vec3& color);
+
+/// What was drawn into the window's framebuffer and is not shown yet: RGB, 8 bits each, row 0 at the bottom.
+std::vector<std::uint8_t> readWindow(int width, int height);
 
 /// Where vertices come from. Buffers must outlive it.
 class VertexArray {

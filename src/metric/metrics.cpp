@@ -83,6 +83,25 @@ LinearError linearError(const Image& reference, const Image& test) {
     return out;
 }
 
+Image relativeErrorMap(const Image& reference, const Image& test) {
+    VOXCONE_CHECK(sameShape(reference, test) && !reference.data.empty(), "{}x{} and {}x{}", reference.width,
+                  reference.height, test.width, test.height);
+    double squares = 0;
+    for (const float v : reference.data) squares += static_cast<double>(v) * static_cast<double>(v);
+    const double epsilon = 0.01 * squares / static_cast<double>(reference.data.size());
+    Image out(reference.width, reference.height, 1);
+    const auto channels = static_cast<std::size_t>(reference.channels);
+    for (std::size_t i = 0; i < out.data.size(); ++i) {
+        double sum = 0;
+        for (std::size_t c = 0; c < channels; ++c) {
+            const double r = reference.data[channels * i + c], e = static_cast<double>(test.data[channels * i + c]) - r;
+            if (e != 0) sum += e / std::sqrt(r * r + epsilon);
+        }
+        out.data[i] = static_cast<float>(sum / reference.channels);
+    }
+    return out;
+}
+
 std::map<std::string, double> metricsByName(const LinearError& error) {
     return {{"relmse", error.relMse},
             {"rmse", error.rmse},

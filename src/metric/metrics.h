@@ -29,6 +29,11 @@ struct DisplayError {
 /// Both pictures must have one size and number of channels (VOXCONE_CHECK; requireComparable tells the user).
 LinearError linearError(const Image& reference, const Image& test);
 
+/// Signed relative error of every pixel, one channel: mean over the channels of (I−R)/√(R²+ε), ε as in LinearError, so
+/// that relMSE is the mean of the squares of one channel. Both pictures have one size and number of channels
+/// (VOXCONE_CHECK).
+Image relativeErrorMap(const Image& reference, const Image& test);
+
 /// Pictures are linear display-referred with 1 or 3 channels; they are clipped to [0,1] and encoded here.
 DisplayError displayError(const Image& reference, const Image& test);
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "core/check.h"
 
@@ -9,7 +11,7 @@ namespace voxcone {
 
 namespace {
 
-constexpr double kLeastAlbedo = 0.02, kLeastCosine = 0.9;
+constexpr double kLeastAlbedo = 0.02, kLeastCosine = 0.9, kSnap = 1e-3;
 
 glm::dvec3 vectorOf(const Image& image, int x, int y) {
     const float* p = image.pixel(x, y);
@@ -35,24 +37,47 @@ struct Warped {
     glm::bvec3 valid{false};  ///< by component
 };
 
-Warped warp(const TemporalFrame& frame, const glm::dvec3& position, const glm::dvec3& normal, double tolerance) {
+/// A surface point of the next frame.
+struct Point {
+    glm::dvec3 position, normal;
+    double tolerance;  ///< how far from its tangent plane its surface may be found
+};
+
+/// Where the frame showed the point, in pixels from the middle of the upper left one; nothing behind its camera.
+std::optional<glm::dvec2> placeOf(const TemporalFrame& frame, const Point& point) {
+    const glm::dvec4 clip = frame.worldToClip * glm::dvec4(point.position, 1);
+    if (!(clip.w > 0)) return std::nullopt;
+    return glm::dvec2((0.5 + 0.5 * clip.x / clip.w) * frame.position.width - 0.5,
+                      (0.5 - 0.5 * clip.y / clip.w) * frame.position.height - 0.5);
+}
+
+bool showsSurface(const TemporalFrame& frame, int x, int y, const Point& point) {
+    return glm::dot(vectorOf(frame.normal, x, y), point.normal) >= kLeastCosine &&
+           std::abs(glm::dot(vectorOf(frame.position, x, y) - point.position, point.normal)) <= point.tolerance;
+}
+
+Warped warp(const TemporalFrame& frame, const Point& point, bool snap) {
     Warped out;
-    const int width = frame.position.width, height = frame.position.height;
-    const glm::dvec4 clip = frame.worldToClip * glm::dvec4(position, 1);
-    if (!(clip.w > 0)) return out;
-    const double u = (0.5 + 0.5 * clip.x / clip.w) * width - 0.5, v = (0.5 - 0.5 * clip.y / clip.w) * height - 0.5;
-    if (!(u >= 0 && v >= 0 && u < width - 1 && v < height - 1)) return out;
-    const int left = static_cast<int>(u), top = static_cast<int>(v);
-    const double fx = u - left, fy = v - top;
+    const auto place = placeOf(frame, point);
+    if (!place) return out;
+    glm::dvec2 at = *place;
+    if (snap)
+        for (int c = 0; c < 2; ++c)
+            if (std::abs(at[c] - std::round(at[c])) < kSnap) at[c] = std::round(at[c]);
+    const glm::dvec2 last(frame.position.width - 1, frame.position.height - 1);
+    const bool inside =
+        at.x >= 0 && at.y >= 0 && (snap ? at.x <= last.x && at.y <= last.y : at.x < last.x && at.y < last.y);
+    if (!inside) return out;
+    const int left = static_cast<int>(at.x), top = static_cast<int>(at.y);
+    const double fx = at.x - left, fy = at.y - top;
 
     out.valid = glm::bvec3(true);
     for (int i = 0; i < 4; ++i) {
         const int x = left + i % 2, y = top + i / 2;
-        const bool sameSurface = glm::dot(vectorOf(frame.normal, x, y), normal) >= kLeastCosine &&
-                                 std::abs(glm::dot(vectorOf(frame.position, x, y) - position, normal)) <= tolerance;
-        if (!sameSurface) return {};
-        const glm::dvec3 albedo = vectorOf(frame.albedo, x, y), light = vectorOf(frame.indirectDiffuse, x, y);
         const double weight = (i % 2 == 1 ? fx : 1 - fx) * (i / 2 == 1 ? fy : 1 - fy);
+        if (snap && weight == 0) continue;
+        if (!showsSurface(frame, x, y, point)) return {};
+        const glm::dvec3 albedo = vectorOf(frame.albedo, x, y), light = vectorOf(frame.indirectDiffuse, x, y);
         for (int c = 0; c < 3; ++c) {
             if (albedo[c] > kLeastAlbedo)
                 out.irradiance[c] += weight * light[c] / albedo[c];
@@ -63,6 +88,50 @@ Warped warp(const TemporalFrame& frame, const glm::dvec3& position, const glm::d
     return out;
 }
 
+/// The surface of a pixel, which may lie as far off as the pixel is wide there; nothing on the background.
+std::optional<Point> pointOf(const TemporalFrame& frame, int x, int y) {
+    const glm::dvec3 normal = vectorOf(frame.normal, x, y);
+    if (normal == glm::dvec3(0)) return std::nullopt;
+    const glm::dvec3 position = vectorOf(frame.position, x, y);
+    const double w = (frame.worldToClip * glm::dvec4(position, 1)).w;
+    return Point{position, normal, footprint(frame.worldToClip, w, frame.position.height)};
+}
+
+/// `map`: set to the mean change of each pixel, not yet over the whole picture's mean, if not null.
+TemporalChange compareFrames(const TemporalFrame& before, const TemporalFrame& now, Image* map) {
+    checkFrame(before, now.position), checkFrame(now, now.position);
+    const int width = now.position.width, height = now.position.height;
+    if (map) *map = Image(width, height, 1);
+    double squared = 0, change = 0, sum = 0;
+    std::size_t values = 0, pixels = 0;
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            const auto point = pointOf(now, x, y);
+            if (!point) continue;
+            const Warped old = warp(before, *point, map != nullptr);
+            const glm::dvec3 albedo = vectorOf(now.albedo, x, y), light = vectorOf(now.indirectDiffuse, x, y);
+            double here = 0;
+            int components = 0;
+            for (int c = 0; c < 3; ++c) {
+                if (!old.valid[c] || !(albedo[c] > kLeastAlbedo)) continue;
+                const double difference = light[c] / albedo[c] - old.irradiance[c];
+                squared += difference * difference, change += difference, sum += old.irradiance[c];
+                here += difference;
+                ++components;
+            }
+            if (components > 0) ++pixels;
+            values += static_cast<std::size_t>(components);
+            if (map)
+                *map->pixel(x, y) =
+                    components > 0 ? static_cast<float>(here / components) : std::numeric_limits<float>::quiet_NaN();
+        }
+    }
+    if (values == 0) return {};
+    const auto n = static_cast<double>(values);
+    return {std::sqrt(squared / n), change / n, sum / n,
+            static_cast<double>(pixels) / (static_cast<double>(width) * height)};
+}
+
 }  // namespace
 
 double TemporalChange::jump() const {
@@ -70,33 +139,41 @@ double TemporalChange::jump() const {
 }
 
 TemporalChange temporalChange(const TemporalFrame& before, const TemporalFrame& now) {
-    checkFrame(before, now.position), checkFrame(now, now.position);
-    const int width = now.position.width, height = now.position.height;
-    double squared = 0, change = 0, sum = 0;
-    std::size_t values = 0, pixels = 0;
-    for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
-            const glm::dvec3 normal = vectorOf(now.normal, x, y);
-            if (normal == glm::dvec3(0)) continue;
-            const glm::dvec3 position = vectorOf(now.position, x, y);
-            const double w = (now.worldToClip * glm::dvec4(position, 1)).w;
-            const Warped old = warp(before, position, normal, footprint(now.worldToClip, w, height));
-            const glm::dvec3 albedo = vectorOf(now.albedo, x, y), light = vectorOf(now.indirectDiffuse, x, y);
-            bool any = false;
-            for (int c = 0; c < 3; ++c) {
-                if (!old.valid[c] || !(albedo[c] > kLeastAlbedo)) continue;
-                const double difference = light[c] / albedo[c] - old.irradiance[c];
-                squared += difference * difference, change += difference, sum += old.irradiance[c];
-                ++values;
-                any = true;
-            }
-            if (any) ++pixels;
+    return compareFrames(before, now, nullptr);
+}
+
+ChangeMap changeMap(const TemporalFrame& before, const TemporalFrame& now) {
+    ChangeMap out;
+    out.figures = compareFrames(before, now, &out.change);
+    const auto scale = static_cast<float>(out.figures.mean > 0 ? 1 / out.figures.mean : 0);
+    for (float& v : out.change.data) v *= scale;
+    return out;
+}
+
+Image carried(const Image& values, const TemporalFrame& before, const TemporalFrame& now) {
+    VOXCONE_CHECK(
+        values.channels == 1 && values.width == before.position.width && values.height == before.position.height,
+        "{}x{}x{} of {}x{}", values.width, values.height, values.channels, before.position.width,
+        before.position.height);
+    // The coarser picture says how near is near enough.
+    const double coarser = std::max(1.0, static_cast<double>(now.position.height) / before.position.height);
+    Image out(now.position.width, now.position.height, 1);
+    for (int y = 0; y < out.height; ++y) {
+        for (int x = 0; x < out.width; ++x) {
+            auto point = pointOf(now, x, y);
+            if (!point) continue;
+            point->tolerance *= coarser;
+            float& value = *out.pixel(x, y);
+            value = std::numeric_limits<float>::quiet_NaN();
+            const auto place = placeOf(before, *point);
+            if (!place) continue;
+            const glm::dvec2 at = glm::floor(*place + 0.5);
+            if (!(at.x >= 0 && at.y >= 0 && at.x < values.width && at.y < values.height)) continue;
+            const int i = static_cast<int>(at.x), j = static_cast<int>(at.y);
+            if (showsSurface(before, i, j, *point)) value = *values.pixel(i, j);
         }
     }
-    if (values == 0) return {};
-    const auto n = static_cast<double>(values);
-    return {std::sqrt(squared / n), change / n, sum / n,
-            static_cast<double>(pixels) / (static_cast<double>(width) * height)};
+    return out;
 }
 
 TemporalChange changeInPlace(const Image& before, const Image& now, const Image& albedo) {

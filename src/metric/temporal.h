@@ -49,4 +49,21 @@ struct TemporalFigure {
 
 TemporalFigure temporalFigure(const std::vector<TemporalChange>& changes);
 
+/// temporalChange() pixel by pixel.
+struct ChangeMap {
+    /// One channel: mean over the compared components of e − warped e, over `figures.mean`; 0 on the background, NaN on
+    /// surfaces that could not be compared.
+    Image change;
+    TemporalChange figures;
+};
+
+/// A place in `before` within a thousandth of a pixel of a pixel's centre counts as that pixel alone, so that under a
+/// camera that stands still every pixel is compared with itself.
+ChangeMap changeMap(const TemporalFrame& before, const TemporalFrame& now);
+
+/// One-channel `values` of the picture `before` on the surfaces of `now`: those of the nearest pixel. 0 on the
+/// background, NaN where `before` did not show the surface. The two may differ in size; only their positions, normals
+/// and matrices play a part.
+Image carried(const Image& values, const TemporalFrame& before, const TemporalFrame& now);
+
 }  // namespace voxcone

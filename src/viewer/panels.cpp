@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 namespace voxcone {
 namespace {
@@ -290,6 +291,14 @@ bool control(const Field& field) {
     return ImGui::DragScalar(id, ImGuiDataType_S32, value, speed, &min, &max, "%d", ImGuiSliderFlags_AlwaysClamp);
 }
 
+std::string valueText(const Field& field) {
+    if (auto* const* flag = std::get_if<bool*>(&field.value)) return **flag ? "true" : "false";
+    if (const auto* choice = std::get_if<Field::Choice>(&field.value))
+        return choice->names[static_cast<std::size_t>(choice->get())];
+    if (auto* const* number = std::get_if<double*>(&field.value)) return fmt::format("{:.4g}", **number);
+    return fmt::format("{}", *std::get<int*>(field.value));
+}
+
 std::string rangeText(const Field& field) {
     if (std::holds_alternative<bool*>(field.value) || std::holds_alternative<Field::Choice>(field.value)) return "";
     if (!field.allowed.empty()) return "";
@@ -297,6 +306,7 @@ std::string rangeText(const Field& field) {
 }
 
 void drawSettingsPanel(Session& session) {
+    if (session.other) text(session.controlsOther ? "settings B (X)" : "settings A (X)");
     ImGui::BeginDisabled(!session.settings.canUndo());
     if (ImGui::Button("undo")) session.undo();
     ImGui::EndDisabled();
@@ -679,6 +689,73 @@ void drawInspectorPanel(Session& session) {
 
 // ---- Comparison
 
+void drawErrors(const char* what, const Measurement& measurement) {
+    const Errors* errors = measurement.errors();
+    if (!errors) return;
+    text(what);
+    if (!errors->whyNot.empty()) return dim(errors->whyNot);
+    const auto& [linear, display] = std::tie(errors->linear, errors->display);
+    text(fmt::format("relMSE {:.4g}, RMSE {:.4g}, bias {:+.2f} %", linear.relMse, linear.rmse,
+                     100 * linear.relativeBias));
+    text(fmt::format("FLIP {:.4f}, SSIM {:.4f}, PSNR {:.1f} dB", display.flip, display.ssim, display.psnr));
+}
+
+void drawOtherSettings(Session& session) {
+    if (!session.other) {
+        if (ImGui::Button("compare settings")) {
+            session.compareWith(session.otherPreset);
+            session.otherPreset.clear();
+        }
+        tip("renders a second tree of settings, B, beside the present one, A: a copy of it, or a preset");
+        ImGui::SameLine();
+        ImGui::InputTextWithHint("##preset", "preset, or file.json", &session.otherPreset);
+        return;
+    }
+    text("left: settings A, right: settings B");
+    int controls = session.controlsOther ? 1 : 0;
+    bool exchange = ImGui::RadioButton("controls change A", &controls, 0);
+    ImGui::SameLine();
+    exchange |= ImGui::RadioButton("B (X)", &controls, 1);
+    if (exchange && (controls == 1) != session.controlsOther) session.exchangeControls();
+    Settings a = session.settingsA(), b = session.settingsB();
+    const std::vector<Field> left = fields(a), right = fields(b);
+    for (std::size_t i = 0; i < left.size(); ++i)
+        if (fieldDiffers(a, b, i))
+            dim(fmt::format("{}: {} | {}", left[i].key, valueText(left[i]), valueText(right[i])));
+    if (const auto& picture = session.other->picture(); picture && !picture->surfaces) {
+        std::uint64_t bytes = 0;
+        for (const FrameStats::Memory& item : picture->stats.memory) bytes += item.bytes;
+        dim(fmt::format("B: {:.1f} ms on the device, {} there", picture->stats.frameMilliseconds, megabytes(bytes)));
+    }
+    if (const std::string activity = session.other->thread().activity(); !activity.empty()) dim("B: " + activity);
+    if (ImGui::Button("end")) return session.endOther();
+    ImGui::SameLine();
+    if (ImGui::Button("end, B becomes A")) return session.endOther(true);
+}
+
+void drawFlickerControls(Session& session) {
+    constexpr std::array kNames = {"off", "indirect light", "beauty", "seam"};
+    int watched = static_cast<int>(session.flicker.watched);
+    if (ImGui::Combo("change", &watched, kNames.data(), static_cast<int>(kNames.size())))
+        session.watch(static_cast<Watched>(watched));
+    tip("from each picture to the next, on the surfaces that both show, over the mean of the picture; seam: between "
+        "levels, over the mean of both (J)");
+    if (session.flicker.watched == Watched::none) return;
+    const double low = 1, high = 1000;
+    ImGui::SliderScalar("exaggeration", ImGuiDataType_Double, &session.flicker.exaggeration, &low, &high, "x %.3g",
+                        ImGuiSliderFlags_Logarithmic);
+    ImGui::Checkbox("hold the largest", &session.flicker.hold);
+    ImGui::SameLine();
+    if (ImGui::Button("clear")) session.flicker.clear();
+    const auto& latest = session.flicker.latest();
+    if (!latest || !latest->known) return dim("the next picture is compared with this one");
+    if (latest->figures.valid > 0 && latest->figures.mean > 0)
+        dim(fmt::format("this picture: rms {:.3g} %, mean {:+.3g} %, {:.0f} % of the pixels compared",
+                        100 * latest->figures.rms / latest->figures.mean,
+                        100 * latest->figures.meanChange / latest->figures.mean, 100 * latest->figures.valid));
+    if (session.flicker.leftOut() > 0) dim(fmt::format("{} pictures came too fast", session.flicker.leftOut()));
+}
+
 void drawComparePanel(Session& session) {
     if (ImGui::Button("hold this picture")) session.hold();
     ImGui::SameLine();
@@ -686,18 +763,33 @@ void drawComparePanel(Session& session) {
     ImGui::InputTextWithHint("##file", "picture.exr", &session.heldName);
     ImGui::SameLine();
     if (ImGui::Button("hold file") && !session.heldName.empty()) session.holdFile(session.heldName);
-    if (!session.held) return dim(session.referenceTracer ? "tracing ..." : "nothing is held");
-    text("left: " + session.held->name);
-    ImGui::SameLine();
-    if (ImGui::SmallButton("release")) return session.releaseHeld();
-    auto split = static_cast<float>(session.split);
-    if (ImGui::SliderFloat("split", &split, 0, 1, "%.2f")) session.split = static_cast<double>(split);
-    if (!session.difference) return dim("figures come with a finished picture of the same size and channel");
-    const auto& [linear, display] = *session.difference;
-    text(fmt::format("relMSE {:.4g}, RMSE {:.4g}, bias {:+.2f} %", linear.relMse, linear.rmse,
-                     100 * linear.relativeBias));
-    text(fmt::format("FLIP {:.4f}, SSIM {:.4f}, PSNR {:.1f} dB", display.flip, display.ssim, display.psnr));
-    dim("of the right picture against the left one; FLIP, SSIM and PSNR of values clipped at 1");
+    if (session.held) {
+        text((session.other ? "held: " : "left: ") + session.held->name);
+        ImGui::SameLine();
+        if (ImGui::SmallButton("release")) session.releaseHeld();
+    } else {
+        dim(session.referenceTracer ? "tracing ..." : "nothing is held");
+    }
+    drawOtherSettings(session);
+    if (session.held || session.other) {
+        auto split = static_cast<float>(session.split);
+        if (ImGui::SliderFloat("split", &split, 0, 1, "%.2f")) session.split = static_cast<double>(split);
+        int map = static_cast<int>(session.errorMap);
+        if (ImGui::Combo("map", &map, kErrorMapNames.data(), static_cast<int>(kErrorMapNames.size())))
+            session.errorMap = static_cast<ErrorMap>(map);
+        tip("the error of every pixel over finished pictures: against what is held, or of B against A");
+        if (session.errorMap != ErrorMap::none) {
+            const double least = 1e-3, most = 10, none = 0, all = 1;
+            ImGui::SliderScalar("scale", ImGuiDataType_Double, &session.errorScale, &least, &most, "%.3g",
+                                ImGuiSliderFlags_Logarithmic);
+            ImGui::SliderScalar("opacity", ImGuiDataType_Double, &session.errorOpacity, &none, &all, "%.2f");
+        }
+        if (session.held) drawErrors(session.other ? "A to what is held" : "to what is held", session.presentToHeld);
+        if (session.held && session.other) drawErrors("B to what is held", session.otherToHeld);
+        if (session.other) drawErrors("B to A", session.otherToPresent);
+        dim("of finished pictures; FLIP, SSIM and PSNR of what a display shows");
+    }
+    drawFlickerControls(session);
 }
 
 // ---- Recording
@@ -838,6 +930,8 @@ void drawHelp(bool& open) {
         {"F5", "compile all shaders anew"},
         {"I", "ask about the pixel under the cursor"},
         {"H", "hold the picture to compare"},
+        {"X", "controls change settings A or B"},
+        {"J", "change from picture to picture"},
         {"F2 to F12 but F5", "panels"},
         {"Tab", "side bar"},
         {"F1", "this help"},

@@ -79,6 +79,7 @@ double lastKey(const CaptureScript& script) {
 }  // namespace
 
 bool withoutCones(const View& view) {
+    if (view.watched != Watched::none) return false;
     const std::string base = baseChannel(view.channel);
     return base == "albedo" || base == "normal" || base == "depth" || base == "position" || base == "emission" ||
            base == "cascade" || (base.starts_with("voxel_") && view.triangles <= 0);
@@ -564,6 +565,8 @@ void RenderThread::publish(const View& view, std::uint64_t serial, bool finished
     if (latest_ == serial && finished) picture->image = renderer_->channel(view.channel);
     if (latest_ == serial) picture->position = renderer_->channel("position");
     picture->milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    if (view.watched != Watched::none)
+        picture->watched = watchedFrame(*renderer_, view.watched, view.camera, serial);
     {
         const std::scoped_lock lock(mutex_);
         picture_ = std::move(picture);

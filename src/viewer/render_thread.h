@@ -24,6 +24,7 @@
 #include "gl/context.h"
 #include "gl/texture.h"
 #include "scene/placement.h"
+#include "viewer/flicker_frame.h"
 #include "viewer/settings_history.h"
 
 namespace voxcone {
@@ -41,6 +42,7 @@ struct View {
     bool placing = false;             ///< and they are being dragged: the picture is not yet that of a capture
     VoxelViewOptions voxels;          ///< of voxel views
     double triangles = 0;             ///< share of `beauty` that is mixed into a voxel view, 0 to 1
+    Watched watched = Watched::none;
 };
 
 /// Whether the channel needs voxels and G-buffer alone, without light on the visible surfaces.
@@ -74,6 +76,7 @@ struct Picture {
     double milliseconds = 0;  ///< from taking up the view's stage to the finished texture
     Image position;           ///< channel `position` in this picture's size; empty while the view moves
     Image image;              ///< of a finished picture at rest: the channel as an EXR holds it
+    std::shared_ptr<const WatchedFrame> watched;  ///< of every picture, when the view asks for it
 };
 
 /// A line for the user.

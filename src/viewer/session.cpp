@@ -26,12 +26,6 @@ bool sameCamera(const Camera& a, const Camera& b) {
            a.near == b.near && a.far == b.far;
 }
 
-bool sameView(const View& a, const View& b) {
-    return a.scene == b.scene && sameCamera(a.camera, b.camera) && a.time == b.time && a.channel == b.channel &&
-           a.clipmapEye == b.clipmapEye && a.voxels == b.voxels && a.triangles == b.triangles && a.lights == b.lights &&
-           a.placed == b.placed && a.placing == b.placing && sameSettings(a.settings, b.settings);
-}
-
 bool isPanorama(const fs::path& file) {
     std::string extension = file.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -55,6 +49,13 @@ void keepLast(std::deque<T>& values, T value, std::size_t most) {
 
 }  // namespace
 
+bool sameView(const View& a, const View& b) {
+    return a.scene == b.scene && sameCamera(a.camera, b.camera) && a.time == b.time && a.channel == b.channel &&
+           a.clipmapEye == b.clipmapEye && a.voxels == b.voxels && a.triangles == b.triangles && a.lights == b.lights &&
+           a.placed == b.placed && a.placing == b.placing && a.watched == b.watched &&
+           sameSettings(a.settings, b.settings);
+}
+
 void CostHistory::add(const Picture& picture) {
     for (auto& [name, values] : passes) keepLast(values, 0.0f, kFrames);
     for (const FrameStats::Pass& pass : picture.stats.passes) {
@@ -75,7 +76,11 @@ void CostHistory::add(const Picture& picture) {
 }
 
 Session::Session(RenderThread& renderThread, ViewerFolders where, std::function<void(Settings&)> change)
-    : thread(renderThread), folders(std::move(where)), prepare_(std::move(change)) {
+    : thread(renderThread),
+      folders(std::move(where)),
+      flicker([this] { wake(); }),
+      prepare_(std::move(change)),
+      measuring_([this] { wake(); }) {
     if (folders.config.empty()) return;
     const json list = [&] {
         std::error_code none;
@@ -101,6 +106,7 @@ void Session::open(const fs::path& file) {
         if (!facts) return say("open a scene before an environment", true);
         environmentFile = fs::absolute(file);
         thread.environment(environmentFile);
+        if (other) other->thread().environment(environmentFile);
     } else {
         thread.open(fs::absolute(file), prepare_);
     }
@@ -149,12 +155,14 @@ void Session::takeScene() {
     selectedNode = -1;
     poseScene();
     edits_.begin({lights, placed});
+    endOther();
     settings.begin(facts->settings);
     environmentFile.clear();
     playing = false;
     frozenEye.reset();
     forgetInspection();
     releaseHeld();
+    flicker.clear();
     slice.reset();
     cutAxis = -1;
     flashes.clear();
@@ -235,7 +243,7 @@ void Session::inspect(const glm::dvec2& place) {
     const glm::ivec2 pixel = glm::clamp(glm::ivec2(place * glm::dvec2(output.width, output.height)), glm::ivec2(0),
                                         glm::ivec2(output.width, output.height) - 1);
     forgetInspection();
-    thread.afterPicture([this, pixel](RenderThread::Desk& desk) {
+    threadAt(place).afterPicture([this, pixel](RenderThread::Desk& desk) {
         auto found = std::make_shared<Inspection>();
         found->pixel = pixel;
         found->view = desk.view;
@@ -325,15 +333,15 @@ void Session::hold() {
     if (!picture || !picture->finished || picture->image.data.empty())
         return say("the picture is not finished yet", true);
     releaseHeld();
-    held = Held{picture->texture, picture->image, "held " + picture->view.channel};
+    held = Held{picture->texture, std::make_shared<const Image>(picture->image), "held " + picture->view.channel};
 }
 
 void Session::releaseHeld() {
     held.reset();
     retire(std::move(referenceTracer));
     traced_.reset();
-    difference.reset();
-    compared_.reset();
+    presentToHeld.forget();
+    otherToHeld.forget();
 }
 
 void Session::holdFile(const fs::path& file) {
@@ -347,7 +355,7 @@ void Session::holdFile(const fs::path& file) {
             image = std::move(three);
         }
         releaseHeld();
-        held = Held{nullptr, std::move(image), file.filename().string()};
+        held = Held{nullptr, std::make_shared<const Image>(std::move(image)), file.filename().string()};
     } catch (const Error& error) {
         say(error.what(), true);
     }
@@ -386,30 +394,98 @@ void Session::takeTraced() {
     const auto next = referenceTracer->picture();
     if (!next || next == traced_) return;
     traced_ = next;
-    Held reference;
-    reference.image = next->beauty;
+    Image exposed = next->beauty;
     const auto exposure = static_cast<float>(std::exp2(referenceView_.settings.output.exposure));
-    for (float& value : reference.image.data) value *= exposure;
+    for (float& value : exposed.data) value *= exposure;
+    Held reference;
+    reference.image = std::make_shared<const Image>(std::move(exposed));
     reference.name = fmt::format("path traced, {} samples, error {:.2g} %", next->samples, 100 * next->error);
     held = std::move(reference);
-    compared_.reset();
 }
 
 void Session::compare() {
-    if (!held || !picture || picture == compared_) return;
-    if (picture->image.data.empty()) return;
-    compared_ = picture;
-    difference.reset();
-    if (picture->image.data.size() != held->image.data.size() || picture->image.width != held->image.width) return;
-    const auto finite = [](const Image& image) {
-        return std::all_of(image.data.begin(), image.data.end(), [](float v) { return std::isfinite(v); });
+    measuring_.take();
+    const auto follow = [&](Measurement& measurement, const std::shared_ptr<const Image>& reference,
+                            const Settings& referenceSettings, const std::shared_ptr<const Image>& test,
+                            const Picture& of) {
+        if (reference && test)
+            measurement.follow(measuring_,
+                               {reference, test, of.view.channel, referenceSettings, of.view.settings, errorMap});
     };
-    if (!finite(picture->image) || !finite(held->image)) return;
-    // Through a tone curve both, so that ꟻLIP sees what a display shows.
-    Image a = held->image, b = picture->image;
-    for (Image* image : {&a, &b})
-        for (float& v : image->data) v = std::clamp(v, 0.0f, 1.0f);
-    difference = {linearError(held->image, picture->image), displayError(a, b)};
+    const std::shared_ptr<const Picture> second = other ? other->picture() : nullptr;
+    const std::shared_ptr<const Image> a = presentImage(picture), b = otherImage(second);
+    if (held && a) follow(presentToHeld, held->image, picture->view.settings, a, *picture);
+    if (held && b) follow(otherToHeld, held->image, second->view.settings, b, *second);
+    if (!a || !b) return;
+    // While the camera moves, one may be ahead of the other.
+    View sight = second->view;
+    sight.scene = picture->view.scene;
+    sight.settings = picture->view.settings;
+    sight.lights = picture->view.lights;
+    sight.watched = picture->view.watched;
+    if (sameView(picture->view, sight)) follow(otherToPresent, a, picture->view.settings, b, *second);
+}
+
+void Session::compareWith(const std::string& preset) {
+    if (!facts || other) return;
+    if (otherEnds_.valid() && otherEnds_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+        return say("the renderer of the last settings B has not ended yet", true);
+    try {
+        Settings b = settingsA();
+        if (!preset.empty()) applyPreset(b, preset);
+        other = std::make_unique<OtherSettings>(otherThread(), facts->file, environmentFile, b);
+        exchangeControls();
+    } catch (const Error& error) {
+        say(error.what(), true);
+    }
+}
+
+void Session::endOther(bool keep) {
+    if (!other) return;
+    if (controlsOther) exchangeControls();
+    if (keep) settings.change(settingsB(), "settings B");
+    otherEnds_ = std::move(*other).end();
+    other.reset();
+    otherToHeld.forget();
+    otherToPresent.forget();
+}
+
+void Session::exchangeControls() {
+    if (!other) return;
+    controlsOther = !controlsOther;
+    std::swap(settings, other->settings);
+}
+
+void Session::reloadShaders() {
+    thread.reloadShaders();
+    if (other) other->thread().reloadShaders();
+}
+
+void Session::updateOther(const View& shown) {
+    std::vector<Message> told;
+    other->update(told);
+    for (const Message& message : told) say("B: " + message.text, message.error);
+    // The size is that of the settings that the controls change.
+    Settings parked = other->settings.now();
+    parked.output.width = settings.now().output.width;
+    parked.output.height = settings.now().output.height;
+    if (!sameSettings(parked, other->settings.now())) other->settings.replace(parked);
+    other->show(shown, settingsB());
+}
+
+void Session::watchPicture() {
+    flicker.update();
+    if (flicker.watched == Watched::none || !picture || picture == watched_ || !picture->watched) return;
+    // Other settings are no change from frame to frame; what moves by itself is.
+    if (watched_ && !sameSettings(watched_->view.settings, picture->view.settings)) flicker.clear();
+    watched_ = picture;
+    if (picture->watched->what == flicker.watched) flicker.take(picture->watched);
+}
+
+void Session::watch(Watched what) {
+    if (what == flicker.watched) return;
+    flicker.clear();
+    flicker.watched = what;
 }
 
 void Session::askSlice() {
@@ -516,7 +592,8 @@ void Session::screenshot() {
     if (!facts) return;
     const fs::path stem =
         freshFile(plainName(facts->file.stem().string()) + "_" + plainName(channel), {".exr", ".png"});
-    thread.afterPicture([this, stem](RenderThread::Desk& desk) {
+    RenderThread& shown = controlsOther ? other->thread() : thread;
+    shown.afterPicture([this, stem](RenderThread::Desk& desk) {
         const View& view = desk.view;
         // With a budget a frame depends on those before it, but for the first.
         if (view.settings.cascade.update == CascadeUpdate::budget) {
@@ -593,7 +670,8 @@ View Session::view() const {
     v.camera = camera.camera();
     v.time = time;
     v.channel = shownChannel();
-    v.settings = settings.now();
+    v.settings = settingsA();
+    v.watched = flicker.watched;
     v.clipmapEye = frozenEye;
     v.lights = lights;
     v.placed = placed;
@@ -644,6 +722,7 @@ bool Session::update(double seconds, const glm::ivec2& place) {
     takePicture(thread.picture());
     takeTraced();
     compare();
+    watchPicture();
     changed |= picture != before;
 
     const auto now = Clock::now();
@@ -687,6 +766,7 @@ bool Session::update(double seconds, const glm::ivec2& place) {
         shown_ = wanted;
         shownSerial_ = thread.show(wanted);
     }
+    if (other) updateOther(wanted);
     return changed;
 }
 

@@ -14,7 +14,9 @@
 #include "frame/voxel_slice.h"
 #include "metric/metrics.h"
 #include "viewer/camera_control.h"
+#include "viewer/comparison.h"
 #include "viewer/edit_history.h"
+#include "viewer/flicker.h"
 #include "viewer/overlay.h"
 #include "viewer/render_thread.h"
 #include "viewer/script_writer.h"
@@ -59,9 +61,12 @@ struct Inspection {
 /// A picture that is held to compare the present one with.
 struct Held {
     std::shared_ptr<const gl::Texture> texture;
-    Image image;  ///< linear, as an EXR of its channel holds it
+    std::shared_ptr<const Image> image;  ///< linear, as an EXR of its channel holds it
     std::string name;
 };
+
+/// Whether both views give the same picture.
+bool sameView(const View& a, const View& b);
 
 /// A region that was just voxelized, for as long as it flashes.
 struct Flash {
@@ -78,6 +83,9 @@ struct Session {
 
     /// `change`: changes the settings of whatever is opened (--set), if not empty.
     Session(RenderThread& renderThread, ViewerFolders where, std::function<void(Settings&)> change);
+
+    /// Hands work to the window's next turn; see RenderThread. Before all that calls it from threads.
+    std::function<void()> wake;
 
     // ---- What is shown
     RenderThread& thread;
@@ -127,10 +135,23 @@ struct Session {
     std::unique_ptr<Inspection> inspection;
     bool inspecting = false;  ///< clicks ask about pixels
     std::optional<Held> held;
-    std::string heldName;                                            ///< as typed in the panel
-    double split = 0.5;                                              ///< left of it the held picture is shown
-    std::optional<std::pair<LinearError, DisplayError>> difference;  ///< of the present picture to the held one
-    std::unique_ptr<BackgroundTracer> referenceTracer;               ///< renders the held picture
+    std::string heldName;  ///< as typed in the panel
+    double split = 0.5;    ///< left of it the held picture is shown, or that of A beside B's
+    std::unique_ptr<BackgroundTracer> referenceTracer;  ///< renders the held picture
+
+    // ---- Comparison
+    /// Settings B; null when there are none.
+    std::unique_ptr<OtherSettings> other;
+    std::string otherPreset;  ///< as typed in the panel
+    /// The controls change B: `settings` holds it, and `other->settings` A.
+    bool controlsOther = false;
+    ErrorMap errorMap = ErrorMap::none;
+    double errorScale = 1, errorOpacity = 1;  ///< error at the map's brightest colour; 0 to 1 over the picture
+    ImageOf presentImage, otherImage;
+    Measurement presentToHeld, otherToHeld, otherToPresent;
+    Flicker flicker;
+    /// Makes the thread of settings B; see RenderThread.
+    std::function<std::unique_ptr<RenderThread>()> otherThread;
 
     // ---- Views and recording
     std::vector<SavedView> views;
@@ -165,6 +186,23 @@ struct Session {
     void holdReference();
     void releaseHeld();
     void forgetInspection();
+
+    /// Begins to compare the present settings with others: a copy of them, to which the preset is applied if not empty
+    /// (name or file).
+    void compareWith(const std::string& preset);
+    /// Ends it; A becomes what B was, if `keep`.
+    void endOther(bool keep = false);
+    /// The controls change the other settings from now on.
+    void exchangeControls();
+    const Settings& settingsA() const { return controlsOther ? other->settings.now() : settings.now(); }
+    const Settings& settingsB() const { return controlsOther ? settings.now() : other->settings.now(); }
+    /// The thread that renders what is seen at a place of the picture (0 to 1).
+    RenderThread& threadAt(const glm::dvec2& place) { return other && place.x >= split ? other->thread() : thread; }
+    /// Compiles all shaders anew, of both settings.
+    void reloadShaders();
+    /// Watches for changes from picture to picture, or ends it.
+    void watch(Watched what);
+
     /// Asks for the slice that the controls say.
     void askSlice();
     bool slicePending() const { return sliceAnswered_ != sliceSerial_; }
@@ -230,8 +268,6 @@ struct Session {
     bool settled() const;
     /// Something moves by itself, so that the window must be drawn again.
     bool animated() const { return playing || recording || !flashes.empty(); }
-    /// Hands work to the window's next turn; see RenderThread.
-    std::function<void()> wake;
 
   private:
     void takeScene();
@@ -252,11 +288,14 @@ struct Session {
     void takeTraced();
     void retire(std::unique_ptr<BackgroundTracer> tracer);
     void compare();
+    void updateOther(const View& shown);
+    void watchPicture();
 
     std::vector<std::unique_ptr<BackgroundTracer>> retired_;  ///< told to stop; nobody waits for their last pass
     std::optional<View> shown_;
-    std::shared_ptr<const Picture> compared_;
     std::shared_ptr<const TracedPicture> traced_;
+    std::future<void> otherEnds_;
+    std::shared_ptr<const Picture> watched_;  ///< the last that the flicker view has taken
     View referenceView_;
     std::uint64_t sliceAnswered_ = 0;
     std::uint64_t sliceSerial_ = 0;   ///< of the last slice that was asked for
@@ -266,6 +305,7 @@ struct Session {
     glm::ivec2 place_{0}, lastPlace_{0};
     double recordClock_ = 0;  ///< seconds since the recording began
     SavedView recorded_;
+    Worker measuring_;  ///< last: it ends before what its results go to
 };
 
 }  // namespace voxcone

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "frame/tone_curve.h"
+#include "gl/framebuffer.h"
 
 namespace voxcone {
 
@@ -54,21 +54,6 @@ void mapKeys(ImGuiIO& io) {
     for (const auto& [to, from] : keys) io.KeyMap[to] = from;
 }
 
-/// Linear exposed values as the window shows them.
-std::shared_ptr<const gl::Texture> textureOf(const Image& image, ToneMap curve) {
-    std::vector<std::uint8_t> texels;
-    for (int y = image.height - 1; y >= 0; --y) {
-        for (int x = 0; x < image.width; ++x) {
-            const float* p = image.pixel(x, y);
-            const glm::vec3 shown = toneCurve(curve, {p[0], p[1], p[2]});
-            for (int c = 0; c < 3; ++c)
-                texels.push_back(static_cast<std::uint8_t>(std::lround(255 * srgbFromLinear(shown[c]))));
-            texels.push_back(255);
-        }
-    }
-    auto texture = std::make_shared<gl::Texture>(gl::Texture::create2D(GL_RGBA8, image.width, image.height));
-    texture->upload(0, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
-    return texture;
 }
 
 /// The newest change of any file below `folder`.
@@ -123,6 +108,10 @@ Viewer::Viewer(const ViewerOptions& options)
         woken_ = true;
         Window::wake();
     };
+    session_.otherThread = [this] {
+        return std::make_unique<RenderThread>([this] { return window_.sharedContext(1); }, session_.wake,
+                                              options_.shaders);
+    };
     if (!options.file.empty()) session_.open(options.file);
     layOut();
 }
@@ -131,6 +120,9 @@ Viewer::~Viewer() {
     ImGui_ImplOpenGL3_Shutdown();
     ImGui::DestroyContext(imgui_);
     // Their textures go while a context of theirs is current.
+    comparison_ = {};
+    session_.endOther();
+    session_.presentImage = session_.otherImage = {};
     session_.picture.reset();
     session_.held.reset();
 }
@@ -245,7 +237,7 @@ void Viewer::key(const Event& event) {
     if (event.code == GLFW_KEY_V && !ctrl && !repeat) window_.vsync(vsync_ = !vsync_);
     if (ctrl && event.code == GLFW_KEY_Q) window_.requestClose();
     if (ctrl && event.code == GLFW_KEY_O) openDialog_ = true;
-    if (event.code == GLFW_KEY_F5 && !repeat) thread_.reloadShaders();
+    if (event.code == GLFW_KEY_F5 && !repeat) session_.reloadShaders();
     if (!session_.facts) return;
     if (ctrl) {
         if (event.code == GLFW_KEY_Z) session_.undo();
@@ -295,6 +287,12 @@ void Viewer::key(const Event& event) {
             break;
         case GLFW_KEY_H:
             session_.hold();
+            break;
+        case GLFW_KEY_X:
+            session_.exchangeControls();
+            break;
+        case GLFW_KEY_J:
+            session_.watch(session_.flicker.watched == Watched::none ? Watched::indirect : Watched::none);
             break;
         case GLFW_KEY_C:
             session_.freeze(!session_.frozen());
@@ -418,7 +416,7 @@ void Viewer::watchShaders() {
     const auto newest = newestBelow(options_.shaders);
     if (newest <= shaderTime_) return;
     shaderTime_ = newest;
-    thread_.reloadShaders();
+    session_.reloadShaders();
 }
 
 // ---- Drawing
@@ -457,20 +455,14 @@ void Viewer::draw() {
     drawOpenDialog();
     if (help_) drawHelp(help_);
     ImGui::Render();
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    glViewport(0, 0, pixels.x, pixels.y);
-    glClearColor(0.1f, 0.1f, 0.1f, 1);
-    glClear(GL_COLOR_BUFFER_BIT);
+    gl::beginWindow(pixels.x, pixels.y, glm::vec3(0.1f));
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
 Image Viewer::readWindow() {
     const glm::ivec2 size = window_.framebufferSize();
     draw();
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(3 * size.x * size.y));
-    glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glReadBuffer(GL_BACK);
-    glReadPixels(0, 0, size.x, size.y, GL_RGB, GL_UNSIGNED_BYTE, bytes.data());
+    const std::vector<std::uint8_t> bytes = gl::readWindow(size.x, size.y);
     window_.swap();
     Image image(size.x, size.y, 3);
     for (int y = 0; y < size.y; ++y)
@@ -482,22 +474,7 @@ Image Viewer::readWindow() {
 
 void Viewer::drawPicture() {
     if (!session_.picture || !session_.picture->texture) return;
-    ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    const auto image = [&](const gl::Texture& texture, double from, double to) {
-        const auto id = reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture.id()));
-        list.AddImage(id, vec(rect_.low + glm::dvec2(from * rect_.size.x, 0)),
-                      vec(rect_.low + glm::dvec2(to * rect_.size.x, rect_.size.y)), ImVec2(static_cast<float>(from), 1),
-                      ImVec2(static_cast<float>(to), 0));
-    };
-    if (!session_.held) return image(*session_.picture->texture, 0, 1);
-    if (!session_.held->texture)
-        session_.held->texture = textureOf(session_.held->image, session_.settings.now().output.toneMap);
-    // Where whole pixels of both end.
-    const double split = std::round(session_.split * rect_.size.x) / rect_.size.x;
-    image(*session_.held->texture, 0, split);
-    image(*session_.picture->texture, split, 1);
-    const auto x = static_cast<float>(rect_.low.x + split * rect_.size.x);
-    list.AddLine(ImVec2(x, vec(rect_.low).y), ImVec2(x, vec(rect_.low + rect_.size).y), 0xffffffff, uiScale_);
+    comparison_.draw(session_, rect_, cursor_, uiScale_);
 }
 
 void Viewer::drawOverlays() {
@@ -693,6 +670,7 @@ void Viewer::drawStatus() {
     if (session_.picture && session_.picture->surfaces) line += " (albedo until there is light)";
     if (session_.frozen()) line += ", frozen";
     if (session_.recording) line += ", recording";
+    if (session_.other) line += session_.controlsOther ? ", controls: B" : ", controls: A";
     const std::string activity = thread_.activity();
     if (!activity.empty()) {
         const double seconds = thread_.activitySeconds();

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "metric/image.h"
+#include "viewer/comparison_view.h"
 #include "viewer/gizmo.h"
 #include "viewer/panels.h"
 #include "viewer/session.h"
@@ -97,6 +98,7 @@ class Viewer {
     RenderThread thread_;
     Session session_;
 
+    ComparisonView comparison_;
     std::vector<Panel> panels_;
     bool sideBar_ = true, help_ = false, openDialog_ = false, vsync_ = true;
     std::string openName_;

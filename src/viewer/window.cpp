@@ -59,8 +59,10 @@ Window::Window(int width, int height, const std::string& title, bool debug) : de
         window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
         if (!window_) fail(lastError());
         hints(false, debug);
-        hidden_ = glfwCreateWindow(16, 16, "", nullptr, window_);
-        if (!hidden_) fail(lastError());
+        for (GLFWwindow*& hidden : hidden_) {
+            hidden = glfwCreateWindow(16, 16, "", nullptr, window_);
+            if (!hidden) fail(lastError());
+        }
         context_ = adopt(window_, debug);
     } catch (...) {
         glfwTerminate();
@@ -101,7 +103,7 @@ Window::Window(int width, int height, const std::string& title, bool debug) : de
 
 Window::~Window() {
     context_.reset();
-    glfwDestroyWindow(hidden_);
+    for (GLFWwindow* hidden : hidden_) glfwDestroyWindow(hidden);
     glfwDestroyWindow(window_);
     glfwTerminate();
 }
@@ -110,8 +112,8 @@ Window& Window::of(GLFWwindow* window) {
     return *static_cast<Window*>(glfwGetWindowUserPointer(window));
 }
 
-std::unique_ptr<gl::Context> Window::sharedContext() {
-    return adopt(hidden_, debug_);
+std::unique_ptr<gl::Context> Window::sharedContext(std::size_t index) {
+    return adopt(hidden_.at(index), debug_);
 }
 
 std::vector<Event> Window::wait(double seconds) {

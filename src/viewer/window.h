@@ -1,6 +1,7 @@
 // A window with an OpenGL 4.3 core context, a second context that shares with it, and what the user does to it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
@@ -38,9 +39,9 @@ class Window {
 
     /// The window's own context, current on the main thread.
     gl::Context& context() { return *context_; }
-    /// A context that shares textures with the window's; to be called on the thread that is to have it. The window must
-    /// outlive it.
-    std::unique_ptr<gl::Context> sharedContext();
+    /// One of two contexts that share textures with the window's; to be called on the thread that is to have it. The
+    /// window must outlive it.
+    std::unique_ptr<gl::Context> sharedContext(std::size_t index = 0);
 
     /// Waits for something to happen, `seconds` at most, and takes what did.
     std::vector<Event> wait(double seconds);
@@ -66,7 +67,7 @@ class Window {
 
     bool debug_;
     GLFWwindow* window_ = nullptr;
-    GLFWwindow* hidden_ = nullptr;  ///< carries the shared context
+    std::array<GLFWwindow*, 2> hidden_{};  ///< carry the shared contexts
     std::unique_ptr<gl::Context> context_;
     std::vector<Event> events_;
 };

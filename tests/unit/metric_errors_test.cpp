@@ -141,5 +141,19 @@ TEST(RequireComparable, SaysWhatDiffers) {
     EXPECT_EQ(message(image, bad), "t.exr: pixel (2, 3) channel 1: is infinite");
 }
 
+TEST(RelativeErrorMap, ItsMeanSquareIsRelMse) {
+    Image reference(4, 2, 1), test(4, 2, 1);
+    for (std::size_t i = 0; i < 8; ++i) {
+        reference.data[i] = 0.25f * static_cast<float>(i);
+        test.data[i] = reference.data[i] * (i % 2 == 0 ? 1.5f : 0.5f) + 0.1f;
+    }
+    const Image map = relativeErrorMap(reference, test);
+    double square = 0;
+    for (const float v : map.data) square += static_cast<double>(v) * static_cast<double>(v) / 8;
+    EXPECT_NEAR(square, linearError(reference, test).relMse, 1e-6);
+    EXPECT_GT(map.data[6], 0);
+    EXPECT_LT(map.data[7], 0);
+}
+
 }  // namespace
 }  // namespace voxcone

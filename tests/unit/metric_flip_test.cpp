@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "metric/heatmap.h"
@@ -149,6 +150,19 @@ TEST(Heatmap, RunsFromBlackToLight) {
     EXPECT_NEAR(srgbFromLinear(colors.data[8]) * 255, 191, 0.01);
     const Image half = heatmap(values, 14);
     EXPECT_NEAR(srgbFromLinear(half.data[6]) * 255, 181, 0.01);
+}
+
+TEST(Heatmap, SignsHaveColoursOfTheirOwn) {
+    Image values(5, 1, 1);
+    values.data = {-3, -1, 0, 1, std::numeric_limits<float>::quiet_NaN()};
+    const Image colors = signedHeatmap(values, 2);
+    const auto rgb = [&](int x) { return colors.pixel(x, 0); };
+    EXPECT_NEAR(srgbFromLinear(rgb(0)[2]) * 255, 255, 0.01) << "cyan beyond the end";
+    EXPECT_GT(rgb(1)[2], rgb(1)[0]) << "blue below zero";
+    EXPECT_EQ(rgb(2)[0] + rgb(2)[1] + rgb(2)[2], 0);
+    EXPECT_GT(rgb(3)[0], rgb(3)[2]) << "red above zero";
+    EXPECT_EQ(rgb(4)[0], rgb(4)[2]) << "grey without a value";
+    EXPECT_GT(rgb(4)[0], 0.05f);
 }
 
 }  // namespace

@@ -147,5 +147,80 @@ TEST(TemporalFigure, IsTheRootMeanSquareOverTheMean) {
     EXPECT_EQ(temporalFigure({{}, {}}).worstJump, 0);
 }
 
+TEST(ChangeMap, EveryPixelIsComparedWithItselfUnderACameraThatStands) {
+    const TemporalFrame before = frameOf({0.3, 0.2, 4}, texture, linearLight, 1);
+    const auto step = [](const glm::dvec3& p) { return linearLight(p) * (p.x < 0 ? 0.9 : 1.2); };
+    const TemporalFrame now = frameOf({0.3, 0.2, 4}, texture, step, 1);
+    const ChangeMap map = changeMap(before, now);
+    EXPECT_EQ(map.figures.valid, 1) << "edges of the screen and of the picture as well";
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            const float* p = now.position.pixel(x, y);
+            const glm::dvec3 light = linearLight({p[0], p[1], p[2]});
+            const double change = (p[0] < 0 ? -0.1 : 0.2) * (light.x + light.y + light.z) / 3 / map.figures.mean;
+            EXPECT_NEAR(static_cast<double>(*map.change.pixel(x, y)), change, 1e-5);
+        }
+    }
+}
+
+TEST(ChangeMap, ItsFiguresAreThoseOfTheShot) {
+    const TemporalFrame before = frameOf({0, 0, 4}, texture, linearLight);
+    const auto brighter = [](const glm::dvec3& p) { return 1.01 * linearLight(p); };
+    const TemporalFrame now = frameOf({0.217, -0.131, 3.9}, texture, brighter);
+    const ChangeMap map = changeMap(before, now);
+    const TemporalChange figures = temporalChange(before, now);
+    EXPECT_EQ(map.figures.mean, figures.mean);
+    EXPECT_EQ(map.figures.rms, figures.rms);
+    EXPECT_EQ(map.figures.valid, figures.valid);
+    double sum = 0;
+    int valid = 0;
+    for (const float v : map.change.data) {
+        if (std::isnan(v)) continue;
+        sum += static_cast<double>(v), ++valid;
+    }
+    EXPECT_NEAR(sum / valid, 0.01, 1e-5);
+    EXPECT_EQ(valid, std::lround(figures.valid * kWidth * kHeight));
+}
+
+TEST(ChangeMap, WhatWasHiddenHasNone) {
+    // The screen covers another part of the plane before.
+    const TemporalFrame before = frameOf({0, 0, 4}, grey, linearLight, 1),
+                        now = frameOf({0.8, 0, 4}, grey, linearLight, 1);
+    const ChangeMap map = changeMap(before, now);
+    int hidden = 0;
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            const float* p = now.position.pixel(x, y);
+            if (p[2] != 0) continue;
+            // Where the ray to `before` passes the screen's plane; well inside of it.
+            const double t = 1.0 / 4, sx = p[0] + t * (0 - p[0]), sy = p[1] + t * (0 - p[1]);
+            if (std::max(std::abs(sx), std::abs(sy)) > 0.46) continue;
+            EXPECT_TRUE(std::isnan(*map.change.pixel(x, y))) << x << ' ' << y;
+            ++hidden;
+        }
+    }
+    EXPECT_GT(hidden, 5);
+}
+
+TEST(Carried, ValuesStayOnTheirSurfaces) {
+    const TemporalFrame before = frameOf({0, 0, 4}, grey, linearLight),
+                        now = frameOf({0.3, -0.2, 3.8}, grey, linearLight);
+    Image values(kWidth, kHeight, 1);
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) *values.pixel(x, y) = before.position.pixel(x, y)[0];
+    const double pixel = 2 * 4 * std::tan(glm::radians(25.0)) / kHeight;
+    const Image moved = carried(values, before, now);
+    int seen = 0;
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            if (std::isnan(*moved.pixel(x, y))) continue;
+            EXPECT_NEAR(*moved.pixel(x, y), now.position.pixel(x, y)[0], 0.51 * pixel);
+            ++seen;
+        }
+    }
+    EXPECT_GT(seen, kWidth * kHeight * 4 / 5);
+    EXPECT_EQ(carried(values, before, before).data, values.data);
+}
+
 }  // namespace
 }  // namespace voxcone

@@ -15,7 +15,11 @@
 #include <thread>
 
 #include "capture/capture.h"
+#include "capture/output.h"
 #include "gl/context.h"
+#include "metric/flip.h"
+#include "metric/heatmap.h"
+#include "scene/extract.h"
 
 namespace voxcone {
 namespace {
@@ -164,7 +168,8 @@ class ViewerTest : public testing::Test {
     }
     /// The first shot of a script, rendered without a window.
     static fs::path capture(const fs::path& script) {
-        const CaptureScript read = loadCaptureScript(script);
+        CaptureScript read = loadCaptureScript(script);
+        extractLights(read.scene, read.settings.light);
         const fs::path out = folder() / "capture";
         fs::remove_all(out);
         fs::path stem;
@@ -790,17 +795,23 @@ TEST_F(ViewerTest, LightsOfTheSceneAreDraggedTurnedAndWritten) {
 }
 
 TEST_F(ViewerTest, HeldPicturesAreCompared) {
+    // The present picture's errors, by the controls as they are.
+    const auto measured = [&] {
+        return turnUntil([&] {
+            const Errors* errors = session().presentToHeld.errorsOf(session().presentImage(session().picture));
+            return session().settled() && errors != nullptr;
+        });
+    };
     key(GLFW_KEY_H);
     ASSERT_TRUE(session().held.has_value());
-    ASSERT_TRUE(turnUntil([&] { return session().difference.has_value(); }));
-    EXPECT_EQ(session().difference->first.rmse, 0);
+    ASSERT_TRUE(measured());
+    EXPECT_EQ(session().presentToHeld.errors()->linear.rmse, 0);
     Settings brighter = session().settings.now();
     brighter.output.exposure = 1;
     session().settings.change(brighter, "brighter");
     ASSERT_TRUE(settle());
-    viewer().turn(0);
-    ASSERT_TRUE(session().difference.has_value());
-    EXPECT_NEAR(session().difference->first.relativeBias, 1, 1e-3) << "twice as bright";
+    ASSERT_TRUE(measured());
+    EXPECT_NEAR(session().presentToHeld.errors()->linear.relativeBias, 1, 1e-3) << "twice as bright";
     // The split shows the held picture on its left.
     session().split = 0.5;
     draws(2);
@@ -817,9 +828,10 @@ TEST_F(ViewerTest, HeldPicturesAreCompared) {
     session().settings.change(quick, "quick");
     ASSERT_TRUE(settle());
     session().holdReference();
-    ASSERT_TRUE(turnUntil([&] { return session().held.has_value() && session().difference.has_value(); }));
-    EXPECT_GT(session().difference->first.rmse, 0);
-    EXPECT_LT(std::abs(session().difference->first.relativeBias), 0.3);
+    ASSERT_TRUE(turnUntil([&] { return session().held.has_value(); }));
+    ASSERT_TRUE(measured());
+    EXPECT_GT(session().presentToHeld.errors()->linear.rmse, 0);
+    EXPECT_LT(std::abs(session().presentToHeld.errors()->linear.relativeBias), 0.3);
     for (Panel& panel : viewer().panels()) panel.open = std::string(panel.name) == "Comparison";
     draws(3);
     session().releaseHeld();
@@ -827,9 +839,222 @@ TEST_F(ViewerTest, HeldPicturesAreCompared) {
     EXPECT_THAT(lastMessage(), HasSubstr("absent.exr"));
     session().holdFile(screenshot().string() + ".exr");
     ASSERT_TRUE(session().held.has_value());
-    ASSERT_TRUE(turnUntil([&] { return session().difference.has_value(); }));
-    EXPECT_EQ(session().difference->first.rmse, 0);
+    ASSERT_TRUE(measured());
+    EXPECT_EQ(session().presentToHeld.errors()->linear.rmse, 0);
     session().releaseHeld();
+}
+
+TEST_F(ViewerTest, MapsOfTheErrorLieOverThePicture) {
+    key(GLFW_KEY_H);
+    Settings other = session().settings.now();
+    other.cone.gain = 1.5;
+    session().settings.change(other, "gain");
+    ASSERT_TRUE(settle());
+    session().split = 0.25;
+    session().errorScale = 0.5;
+    const auto mapOf = [&](ErrorMap kind) {
+        session().errorMap = kind;
+        std::shared_ptr<const Image> map;
+        EXPECT_TRUE(turnUntil([&] {
+            const Errors* errors = session().presentToHeld.errorsOf(session().presentImage(session().picture));
+            return errors && errors->kind == kind && (map = errors->map) != nullptr;
+        }));
+        return map;
+    };
+    const auto expectShown = [&](const Image& colors) {
+        turns(3);
+        const Image shown = viewer().readWindow();
+        for (const glm::ivec2 pixel : {glm::ivec2(120, 90), glm::ivec2(160, 70), glm::ivec2(90, 60)}) {
+            const glm::ivec2 p(inPicture((pixel.x + 0.5) / 200, (pixel.y + 0.5) / 112));
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(shown.pixel(p.x, p.y)[c], srgbFromLinear(colors.pixel(pixel.x, pixel.y)[c]), 1.5f / 255);
+        }
+    };
+    const Image held = *session().held->image, now = session().picture->image;
+    moveTo(inPicture(0.8, 0.6));
+    const auto relative = mapOf(ErrorMap::relative);
+    EXPECT_EQ(relative->data, relativeErrorMap(held, now).data);
+    expectShown(signedHeatmap(*relative, 0.5));
+    const auto hdr = mapOf(ErrorMap::hdr_flip);
+    EXPECT_EQ(hdr->data, hdrFlip(held, now).error.data);
+    expectShown(heatmap(*hdr, 0.5));
+    session().errorMap = ErrorMap::none;
+    session().errorScale = 1;
+    session().split = 0.5;
+    session().releaseHeld();
+}
+
+TEST_F(ViewerTest, TwoSettingsAreRenderedSideBySide) {
+    const Settings a = session().settings.now();
+    key(GLFW_KEY_H);
+    session().compareWith("");
+    ASSERT_NE(session().other, nullptr);
+    ASSERT_TRUE(session().controlsOther) << "the controls change B from the start";
+    Settings b = a;
+    b.cone.diffuse = 6;
+    b.light.bounces = 2;
+    session().settings.change(b, "B");
+    drag(GLFW_MOUSE_BUTTON_LEFT, inPicture(0.5, 0.5), inPicture(0.6, 0.5));
+    session().lights[1].position.x += 0.3;
+    const auto both = [&] { return turnUntil([&] { return session().settled() && session().other->settled(); }); };
+    turns(1);
+    ASSERT_TRUE(both());
+    const std::shared_ptr<const Picture> left = session().picture, right = session().other->picture();
+    EXPECT_EQ(right->view.camera.position, left->view.camera.position);
+    EXPECT_TRUE(sameSettings(left->view.settings, a));
+    EXPECT_TRUE(sameSettings(right->view.settings, b));
+    // Figures of all three pairs.
+    ASSERT_TRUE(turnUntil([&] {
+        return session().otherToPresent.errorsOf(session().otherImage(right)) &&
+               session().presentToHeld.errorsOf(session().presentImage(left)) &&
+               session().otherToHeld.errorsOf(session().otherImage(right));
+    }));
+    EXPECT_EQ(session().otherToPresent.errors()->linear.relMse, linearError(left->image, right->image).relMse);
+    EXPECT_EQ(session().otherToHeld.errors()->linear.relMse, linearError(*session().held->image, right->image).relMse);
+    EXPECT_GT(session().otherToPresent.errors()->linear.relMse, 0);
+    session().releaseHeld();
+    // A is left of the split, B right of it.
+    turns(3);
+    const Image shown = viewer().readWindow();
+    for (const double x : {0.3, 0.7}) {
+        const Image& image = x < 0.5 ? left->image : right->image;
+        const glm::ivec2 pixel(glm::dvec2(x, 0.8) * glm::dvec2(image.width, image.height));
+        const glm::ivec2 p(inPicture((pixel.x + 0.5) / image.width, (pixel.y + 0.5) / image.height));
+        const Image display = displayOf(image, a.output.toneMap);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(shown.pixel(p.x, p.y)[c], srgbFromLinear(display.pixel(pixel.x, pixel.y)[c]), 1.5f / 255);
+    }
+    // Each is the capture of its settings; screenshots and scripts are of those that the controls change.
+    for (const auto& picture : {right, left}) {
+        const fs::path file = screenshot();
+        key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+        const fs::path headless = capture(lastMessage().substr(6));
+        expectSamePictures(file, headless);
+        EXPECT_EQ(readImage(headless.string() + ".exr").data, picture->image.data);
+        key(GLFW_KEY_X);
+    }
+    EXPECT_TRUE(session().controlsOther);
+    for (Panel& panel : viewer().panels()) panel.open = std::string(panel.name) == "Comparison";
+    draws(3);
+    // Each tree has its own way back.
+    key(GLFW_KEY_Z, GLFW_MOD_CONTROL);
+    EXPECT_TRUE(sameSettings(session().settingsB(), a));
+    key(GLFW_KEY_Y, GLFW_MOD_CONTROL);
+    session().endOther(true);
+    EXPECT_EQ(session().other, nullptr);
+    EXPECT_FALSE(session().controlsOther);
+    EXPECT_TRUE(sameSettings(session().settings.now(), b));
+    ASSERT_TRUE(settle());
+    EXPECT_EQ(session().picture->image.data, right->image.data);
+    key(GLFW_KEY_Z, GLFW_MOD_CONTROL);
+    EXPECT_TRUE(sameSettings(session().settings.now(), a));
+}
+
+TEST_F(ViewerTest, OtherSettingsMayExtractOtherLights) {
+    Image sun(64, 32, 3);
+    std::fill(sun.data.begin(), sun.data.end(), 0.2f);
+    for (int c = 0; c < 3; ++c) sun.pixel(20, 8)[c] = 2000;
+    writeExr(folder() / "sun.exr", sun);
+    const std::size_t before = session().facts->outline.lights.size();
+    drop(folder() / "sun.exr");
+    ASSERT_TRUE(turnUntil([&] { return session().settled() && session().lights.size() > before; }));
+    const std::size_t lights = session().facts->outline.lights.size();
+    session().compareWith("no such preset");
+    EXPECT_EQ(session().other, nullptr);
+    EXPECT_THAT(lastMessage(), HasSubstr("no such preset"));
+    session().compareWith("");
+    Settings b = session().settings.now();
+    b.light.extractEnvironment = 0;
+    session().settings.change(b, "B");
+    turns(1);
+    ASSERT_TRUE(turnUntil([&] { return session().settled() && session().other->settled(); }));
+    EXPECT_LT(session().other->thread().scene()->outline.lights.size(), lights);
+    EXPECT_EQ(session().facts->outline.lights.size(), lights);
+    const Image image = session().other->picture()->image;
+    EXPECT_NE(image.data, session().picture->image.data);
+    for (const Image& shown : {image, session().picture->image}) {
+        key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+        EXPECT_EQ(readImage(capture(lastMessage().substr(6)).string() + ".exr").data, shown.data);
+        key(GLFW_KEY_X);
+    }
+    // Another scene ends it.
+    session().open(folder() / "basic.json");
+    ASSERT_TRUE(turnUntil([&] { return session().other == nullptr; }));
+    EXPECT_FALSE(session().controlsOther);
+}
+
+TEST_F(ViewerTest, ChangesFromPictureToPictureAreShownAndHeld) {
+    const auto watched = [&] { return settle() && turnUntil([&] { return session().flicker.idle(); }); };
+    const Image before = session().picture->image;
+    session().freeze(true);
+    session().camera.fly({0, 0, 6 * session().picture->clipmap.layout.voxelSize});
+    ASSERT_TRUE(settle());
+    const Image plain = session().picture->image;
+    key(GLFW_KEY_J);
+    ASSERT_TRUE(watched());
+    EXPECT_EQ(session().picture->image.data, plain.data) << "watching changes no picture";
+    EXPECT_EQ(session().flicker.shown(), nullptr) << "there is nothing before";
+    const std::shared_ptr<const WatchedFrame> start = session().picture->watched;
+    ASSERT_NE(start, nullptr);
+    // A step of the clipmap, the camera standing still: all surfaces are compared.
+    key(GLFW_KEY_N);
+    ASSERT_TRUE(watched());
+    const Picture& picture = *session().picture;
+    ASSERT_NE(session().flicker.latest(), nullptr);
+    FlickerPicture latest = *session().flicker.latest();
+    ASSERT_EQ(latest.change.data.size(), picture.image.data.size() / 3);
+    EXPECT_EQ(latest.change.data, changeMap(start->frame, picture.watched->frame).change.data);
+    EXPECT_GT(latest.figures.rms, 0) << "voxels of another level light the surfaces now";
+    EXPECT_EQ(
+        std::count_if(latest.change.data.begin(), latest.change.data.end(), [](float v) { return std::isnan(v); }), 0);
+    const Image firstHeld = latest.held;
+    key(GLFW_KEY_N);
+    ASSERT_TRUE(watched());
+    latest = *session().flicker.latest();
+    for (std::size_t i = 0; i < firstHeld.data.size(); ++i) {
+        EXPECT_GE(std::abs(latest.held.data[i]), std::abs(firstHeld.data[i]));
+        EXPECT_GE(std::abs(latest.held.data[i]), std::abs(latest.change.data[i]));
+    }
+    // In the window, exaggerated.
+    session().flicker.exaggeration = 20;
+    for (Panel& panel : viewer().panels()) panel.open = std::string(panel.name) == "Comparison";
+    ASSERT_TRUE(turnUntil([&] { return session().flashes.empty(); }));
+    draws(3);
+    const Image colors = signedHeatmap(latest.held, 1.0 / 20), shown = viewer().readWindow();
+    for (const glm::ivec2 pixel : {glm::ivec2(150, 80), glm::ivec2(60, 60), glm::ivec2(100, 40)}) {
+        const glm::ivec2 p(inPicture((pixel.x + 0.5) / 200, (pixel.y + 0.5) / 112));
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(shown.pixel(p.x, p.y)[c], srgbFromLinear(colors.pixel(pixel.x, pixel.y)[c]), 1.5f / 255);
+    }
+    // A flying camera: most surfaces are found again, some were not seen before.
+    session().freeze(false);
+    session().flicker.clear();
+    ASSERT_TRUE(watched());
+    for (int i = 0; i < 3; ++i) {
+        session().camera.fly({0.4, 0, 0});
+        ASSERT_TRUE(watched());
+    }
+    latest = *session().flicker.latest();
+    EXPECT_GT(latest.figures.valid, 0.5);
+    const auto unseen =
+        std::count_if(latest.change.data.begin(), latest.change.data.end(), [](float v) { return std::isnan(v); });
+    EXPECT_GT(unseen, 10);
+    EXPECT_LT(unseen, static_cast<std::ptrdiff_t>(latest.change.data.size() / 3));
+    // The seam by the same controls.
+    session().watch(Watched::seam);
+    session().channel = "seam";
+    ASSERT_TRUE(watched());
+    ASSERT_NE(session().flicker.latest(), nullptr);
+    EXPECT_EQ(session().flicker.latest()->change.data, session().picture->image.data);
+    EXPECT_TRUE(std::any_of(session().flicker.latest()->held.data.begin(), session().flicker.latest()->held.data.end(),
+                            [](float v) { return std::abs(v) > 0; }));
+    key(GLFW_KEY_J);
+    EXPECT_EQ(session().flicker.shown(), nullptr);
+    session().channel = "beauty";
+    session().takeShot(0);
+    ASSERT_TRUE(settle());
+    EXPECT_EQ(session().picture->image.data, before.data);
+    session().flicker.exaggeration = 10;
 }
 
 TEST_F(ViewerTest, ShadersAreReloadedAndMistakesShown) {

@@ -1,4 +1,4 @@
-// Directions of a diffuse cone set around +z. C++ twin: src/cone/cone_set.h. Needs CONES and SPIRAL.
+// Directions of a diffuse cone set around +z. C++ twin: src/cone/cone_set.h. Needs CONES and SPIRAL, for pixels ROTATE too.
 #if !SPIRAL
 uniform vec4 u_cones[CONES];  // direction, weight
 #endif
@@ -31,6 +31,20 @@ float turnOf(int k, int n) { return float(k) / float(n); }
 float shiftOf(int k, int n) {
     return n == 1 ? 0.0 : (float(bitfieldReverse(uint(k)) >> 28) + 0.5) / 16.0 - 0.5;
 }
+
+#ifdef ROTATE
+/// Turn and shift of a pixel's cones: sixteen orientations over a tile of 4 x 4 pixels, in the order of a Bayer matrix so that
+/// neighbours differ most; filters take their mean.
+vec2 orientationOf(ivec2 pixel) {
+#if ROTATE
+    const int kBayer[16] = int[](0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5);
+    int k = kBayer[(pixel.y & 3) * 4 + (pixel.x & 3)];
+    return vec2(turnOf(k, 16), shiftOf(k, 16));
+#else
+    return vec2(0.0);
+#endif
+}
+#endif
 
 /// Right-handed frame around unit `n` (columns tangent, bitangent, n), Duff et al. 2017.
 mat3 frameAround(vec3 n) {

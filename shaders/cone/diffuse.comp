@@ -33,17 +33,9 @@ void main() {
 #endif
         cone.tanHalfAngle = u_coneTanHalfAngle;
         mat3 frame = frameAround(s.normal);
-#if ROTATE
-        // Sixteen orientations over a tile of 4 x 4 pixels, in the order of a Bayer matrix so that neighbours differ most;
-        // cone/filter.comp takes their mean.
-        const int kBayer[16] = int[](0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5);
-        int k = kBayer[(pixel.y & 3) * 4 + (pixel.x & 3)];
-        float turn = turnOf(k, 16), shift = shiftOf(k, 16);
-#else
-        float turn = 0.0, shift = 0.0;
-#endif
+        vec2 orientation = orientationOf(pixel);
         for (int i = 0; i < CONES; ++i) {
-            vec4 local = coneOfSet(i, turn, shift);
+            vec4 local = coneOfSet(i, orientation.x, orientation.y);
             cone.direction = frame * local.xyz;
             ConeResult result = traceCone(cone);
             sum += local.w * vec4(result.radiance + result.transmittance * skyRadiance(cone.direction, cone.tanHalfAngle),

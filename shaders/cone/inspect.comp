@@ -1,4 +1,9 @@
-// The diffuse cones of one pixel as cone/diffuse.comp traces them, one an invocation, with every sample that they take.
+// The cones of one lobe of one pixel as the picture traces them, one an invocation, with every sample that they take. LOBE as
+// ConeLobe in src/cone/inspect.h.
+#define DIFFUSE 0
+#define SPECULAR 1
+#define BEAM 2
+#define SCATTERED 3
 struct Sample {
     vec4 place;     // distance, length, level, transmittance after it
     vec4 radiance;  // so far, W/(m² sr); openness so far
@@ -16,46 +21,75 @@ uint g_count = 0u;
 #include "cone/sky.glsl"
 #include "cone/trace.glsl"
 #include "cone/cone_set.glsl"
+#if LOBE == SPECULAR
+#include "cone/specular_cones.glsl"
+#include "cone/specular_albedo.glsl"
+#elif LOBE == BEAM || LOBE == SCATTERED
+#include "cone/refraction_cones.glsl"
+#endif
 layout(local_size_x = 32) in;
 
 uniform float u_inverseVoxelSize;
 uniform ivec2 u_pixel;
 struct InspectedCone {
-    vec4 origin;     // voxels of level 0; 1 where the pixel shows a surface
-    vec4 direction;  // world space; weight
-    vec4 radiance;   // of voxels, W/(m² sr); samples taken
+    vec4 surface;    // position, voxels of level 0
+    vec4 normal;     // geometric; tangent of the cone's half-angle
+    vec4 share;      // of the lobe's light that leaves towards the eye, by channel; openness
+    vec4 origin;     // of the cone, voxels of level 0; weight in the lobe, 0: there is no such cone
+    vec4 direction;  // world space; samples taken
+    vec4 radiance;   // of voxels, W/(m² sr); tangent of the half-angle that the sky is seen with
     vec4 sky;        // radiance of the sky over the cone; transmittance
-    vec4 surface;    // geometric normal; openness
 };
-layout(std430, binding = 4) writeonly buffer Results { InspectedCone b_results[]; };
+layout(std430, binding = 4) writeonly buffer Results { InspectedCone b_results[]; };  // INVOCATIONS
 
 void main() {
     int index = int(gl_GlobalInvocationID.x);
-    if (index >= CONES) return;
+    if (index >= INVOCATIONS) return;
     GBufferSample s = loadGBuffer(u_pixel);
-    if (!s.hit) {
-        b_results[index].origin = vec4(0.0);
-        return;
-    }
+    InspectedCone seen;
+    seen.surface = vec4(s.position * u_inverseVoxelSize, 1.0);
+    seen.origin = vec4(0.0);
     Cone cone;
     cone.origin = s.position * u_inverseVoxelSize;
     cone.normal = s.geometricNormal;
     cone.level = 0.0;
-    cone.near = u_nearDistance;
-    cone.tanHalfAngle = u_coneTanHalfAngle;
-#if ROTATE
-    // As in cone/diffuse.comp.
-    const int kBayer[16] = int[](0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5);
-    int k = kBayer[(u_pixel.y & 3) * 4 + (u_pixel.x & 3)];
-    float turn = turnOf(k, 16), shift = shiftOf(k, 16);
+    float weight = 0.0;
+    vec3 share = vec3(0.0);
+    float skyTanHalfAngle = u_coneTanHalfAngle;
+    if (s.hit) {
+#if LOBE == DIFFUSE
+        cone.near = u_nearDistance;
+        cone.tanHalfAngle = u_coneTanHalfAngle;
+        vec2 orientation = orientationOf(u_pixel);
+        vec4 local = coneOfSet(index, orientation.x, orientation.y);
+        cone.direction = frameAround(s.normal) * local.xyz;
+        weight = local.w;
+        share = s.surface.diffuseColor * diffuseAlbedoScale(s.surface, max(dot(s.normal, s.toEye), 0.0));
+#elif LOBE == SPECULAR
+        int count = specularCones(s.surface);
+        if (index < count) weight = specularCone(s, u_pixel, index, count, cone, skyTanHalfAngle);
+        share = specularAlbedo(s);
+#elif LOBE == BEAM
+        if (maxComponent(s.beam) > 0.0) {
+            share = beamCone(s, u_inverseVoxelSize, cone);
+            weight = 1.0;
+            skyTanHalfAngle = cone.tanHalfAngle;
+        }
 #else
-    float turn = 0.0, shift = 0.0;
+        if (maxComponent(s.scattered) > 0.0) {
+            weight = scatteredCone(s, u_inverseVoxelSize, index, cone);
+            share = scatteredShare(s);
+        }
 #endif
-    vec4 local = coneOfSet(index, turn, shift);
-    cone.direction = frameAround(s.normal) * local.xyz;
-    ConeResult result = traceCone(cone);
-    b_results[index] =
-        InspectedCone(vec4(cone.origin, 1.0), vec4(cone.direction, local.w), vec4(result.radiance, float(g_count)),
-               vec4(skyRadiance(cone.direction, cone.tanHalfAngle), result.transmittance),
-               vec4(cone.normal, result.openness));
+    }
+    if (weight > 0.0) {
+        ConeResult result = traceCone(cone);
+        seen.normal = vec4(s.geometricNormal, cone.tanHalfAngle);
+        seen.share = vec4(share, result.openness);
+        seen.origin = vec4(cone.origin, weight);
+        seen.direction = vec4(cone.direction, float(g_count));
+        seen.radiance = vec4(result.radiance, skyTanHalfAngle);
+        seen.sky = vec4(skyRadiance(cone.direction, skyTanHalfAngle), result.transmittance);
+    }
+    b_results[index] = seen;
 }

@@ -3,10 +3,10 @@
 #include "frame/gbuffer.glsl"
 #include "cascade/containment.glsl"
 #include "cone/neighbours.glsl"
+#include "cone/specular_albedo.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D u_gathered;
-uniform sampler2D u_specularAlbedo;  // light/specular_table.h
 uniform float u_smoothAlpha;
 layout(rgba32f) uniform writeonly image2D u_specular;
 
@@ -36,10 +36,7 @@ void main() {
             }
         }
 #endif
-        vec2 place = vec2(dot(s.normal, s.toEye), sqrt(s.surface.alpha));
-        float texels = float(textureSize(u_specularAlbedo, 0).x);
-        vec2 parts = textureLod(u_specularAlbedo, (place * (texels - 1.0) + 0.5) / texels, 0.0).rg;
-        if (sum.a > 0.0) radiance = sum.rgb / sum.a * (s.surface.f0 * parts.x + s.surface.f90 * parts.y);
+        if (sum.a > 0.0) radiance = sum.rgb / sum.a * specularAlbedo(s);
     }
     imageStore(u_specular, pixel, vec4(radiance, 1.0));
 }

@@ -1,5 +1,5 @@
-// The first occupied voxel along each pixel's ray (Amanatides and Woo 1987), and what its face towards the eye holds. Levels
-// are marched one after the other, each inside its own box.
+// The first occupied voxel along each pixel's ray (Amanatides and Woo 1987), and what it holds: of its face towards the eye, of
+// a given face, or by direction. Levels are marched one after the other, each inside its own box.
 #include "cascade/buffers.glsl"
 #include "cascade/clipmap.glsl"
 #include "cascade/records.glsl"
@@ -10,7 +10,8 @@ uniform usampler3D u_index;
 #if LAYERS == 2
 uniform usampler3D u_movingIndex;
 #endif
-uniform int u_what;  // 0 albedo, 1 normal, 2 radiance, 3 opacity
+uniform int u_what;  // 0 albedo, 1 normal, 2 radiance, 3 opacity, 4 lobes
+uniform int u_face;  // of 0 to 3; -1: that towards the eye
 uniform int u_firstLevel, u_lastLevel;
 uniform vec3 u_boxLow[16], u_boxHigh[16];  // of every level, in voxels of level 0
 uniform float u_inverseVoxelSize;          // of level 0
@@ -21,6 +22,7 @@ uniform vec4 u_cut;     // voxels whose centres lie where dot(u_cut.xyz, x) > u_
 uniform bool u_edges;   // darken the edges of voxels
 layout(std430, binding = FACE_STORAGE) readonly buffer Faces { FaceRecord b_faces[]; };
 layout(std430, binding = RADIANCE_STORAGE) readonly buffer Radiance { uvec2 b_radiance[]; };
+layout(std430, binding = 4) readonly buffer Lobes { uvec2 b_lobes[]; };  // radiance as cones read it: cone/trace.glsl
 layout(rgba32f) uniform writeonly image2D u_picture;
 
 float shareOf(uint face) { return unpackHalf2x16(b_radiance[face].y).y; }
@@ -33,8 +35,30 @@ vec3 faceValue(uint face) {
     return vec3(shareOf(face));
 }
 
-/// The face of a record that the ray sees: the side that it came in by, unless another that looks to the eye is fuller.
+/// Radiance that a cone along -n takes of a record: of its fullest face that looks that way, or of all its light at once.
+vec3 lobeValue(uint mark, vec3 n) {
+    uint slot = mark - 1u;
+#if SIX_FACE
+    uint face = 0u;
+    float most = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        uint side = slot * 6u + uint(2 * k + (n[k] > 0.0 ? 0 : 1));
+        float seen = abs(n[k]) * shareOf(side);
+        if (seen > most) face = side, most = seen;
+    }
+    return most > 0.0 ? u_radianceScale * unpackHalf4(b_radiance[face]).rgb : vec3(0.0);
+#elif SH1
+    vec4 shown = unpackHalf4(b_lobes[slot * 4u]) + n.x * unpackHalf4(b_lobes[slot * 4u + 1u]) +
+                 n.y * unpackHalf4(b_lobes[slot * 4u + 2u]) + n.z * unpackHalf4(b_lobes[slot * 4u + 3u]);
+    return shown.a > 0.0 ? u_radianceScale * max(shown.rgb, vec3(0.0)) / shown.a : vec3(0.0);
+#else
+    return u_radianceScale * unpackHalf4(b_lobes[slot]).rgb;
+#endif
+}
+
+/// The face of a record that is shown: the side that the ray came in by, unless another that looks to the eye is fuller.
 uint faceSeen(uint mark, vec3 d, int axis) {
+    if (u_face >= 0) return (mark - 1u) * 6u + uint(u_face);
     uint first = (mark - 1u) * 6u, face = first + uint(2 * axis + (d[axis] > 0.0 ? 1 : 0));
     for (int k = 0; k < 3; ++k) {
         uint other = first + uint(2 * k + (d[k] > 0.0 ? 1 : 0));
@@ -75,7 +99,8 @@ void main() {
 #endif
             vec3 centre = (vec3(voxel) + 0.5) * edge;
             if (mark != 0u && dot(u_cut.xyz, centre) <= u_cut.w) {
-                value = faceValue(faceSeen(mark, d, axis));
+                value = u_what == 4 ? lobeValue(mark, normalize(o + d * t - vec3(voxel) - 0.5))
+                                    : faceValue(faceSeen(mark, d, axis));
                 found = true;
                 if (u_edges) {
                     vec3 place = fract(o + d * t), aside = min(place, 1.0 - place);

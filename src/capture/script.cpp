@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/nearest.h"
+#include "core/voxel_channel.h"
 #include "scene/environment.h"
 #include "scene/gltf.h"
 
@@ -204,7 +205,7 @@ void readFrames(JsonObject& object, Shot& shot) {
     shot.start = object.number("start", shot.start, -kLargest, kLargest, "s");
 }
 
-/// A channel by its name; voxel views may have a level behind a colon, one digit or two.
+/// A channel by its name; voxel views may have bounce, face and level behind colons.
 void checkChannel(const JsonObject& object, const std::string& at, const std::string& name) {
     const std::string base = baseChannel(name);
     const auto& names = channelNames();
@@ -213,10 +214,8 @@ void checkChannel(const JsonObject& object, const std::string& at, const std::st
                                     nearestWord(names, base), fmt::join(names, ", ")));
     if (base == name) return;
     if (!base.starts_with("voxel_")) object.fail(at, fmt::format("\"{}\" has no levels; voxel views have", base));
-    for (int level = 0; level < kVoxelViewLevels; ++level) {
-        if (name == fmt::format("{}:{}", base, level)) return;
-    }
-    object.fail(at, fmt::format("\"{}\" is no level: 0 to {}", name.substr(base.size() + 1), kVoxelViewLevels - 1));
+    VoxelChannel channel;
+    if (const std::string why = VoxelChannel::parse(name, channel); !why.empty()) object.fail(at, why);
 }
 
 std::vector<std::string> readChannels(JsonObject& object) {
@@ -355,7 +354,8 @@ const std::vector<std::string>& channelNames() {
                                                    "voxel_albedo",
                                                    "voxel_normal",
                                                    "voxel_radiance",
-                                                   "voxel_opacity"};
+                                                   "voxel_opacity",
+                                                   "voxel_lobes"};
     return names;
 }
 

@@ -12,13 +12,10 @@ namespace voxcone {
 
 /// Names of the picture channels in the order of the documentation: beauty, direct, indirect_diffuse,
 /// indirect_specular, transmission, ao, soft_shadow, emission, albedo, normal, depth, position, cascade, seam, and
-/// voxel views. The last may be followed by a level: "voxel_albedo:2".
+/// voxel views. The last may be followed by bounce, face and level (core/voxel_channel.h): "voxel_opacity:+x:2".
 const std::vector<std::string>& channelNames();
 
-/// Levels that a voxel view can ask for: 0 to this − 1.
-constexpr int kVoxelViewLevels = 16;
-
-/// `channel` without its level.
+/// `channel` without what follows the first colon.
 std::string baseChannel(const std::string& channel);
 
 /// World space positions over time, both tracks with the same times or empty.

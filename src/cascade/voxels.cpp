@@ -55,4 +55,18 @@ void Voxels::setClipmapUniforms(gl::Program& program) const {
     program.set("u_windowLow", std::span<const glm::ivec3>(lows));
 }
 
+void Voxels::bindIndex(gl::Program& program, int unit) const {
+    index.bindTo(unit);
+    program.set("u_index", unit);
+    if (!anyMoving()) return;
+    movingIndex.bindTo(unit + 1);
+    program.set("u_movingIndex", unit + 1);
+}
+
+void Voxels::bindRecords(gl::Program& program, int unit) const {
+    setClipmapUniforms(program);
+    bindIndex(program, unit);
+    faces.bindBase(GL_SHADER_STORAGE_BUFFER, kFaceStorage);
+}
+
 }  // namespace voxcone

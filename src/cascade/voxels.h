@@ -58,6 +58,10 @@ struct Voxels {
 
     /// Sets the uniforms of shaders/cascade/clipmap.glsl.
     void setClipmapUniforms(gl::Program& program) const;
+    /// Binds the index volumes from texture unit `unit` on, as u_index and u_movingIndex.
+    void bindIndex(gl::Program& program, int unit) const;
+    /// What a shader needs to find records: the clipmap, the index volumes, and the faces at kFaceStorage.
+    void bindRecords(gl::Program& program, int unit) const;
 };
 
 }  // namespace voxcone

@@ -80,8 +80,7 @@ void setConeUniforms(gl::Program& program, const Settings& settings, const Sky& 
     };
     bind("u_coveragePositive", voxels.coveragePositive, unit);
     bind("u_coverageNegative", voxels.coverageNegative, unit + 1);
-    bind("u_index", voxels.index, unit + 2);
-    bind("u_movingIndex", voxels.movingIndex, unit + 3);
+    voxels.bindIndex(program, unit + 2);
     if (sky.kind() == 2) bind("u_environment", *sky.panorama, unit + 4);
     bind("u_leaves", voxels.leafDepth, unit + 5);
     program.set("u_environmentColor", sky.color);

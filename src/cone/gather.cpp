@@ -46,6 +46,8 @@ float inverseVoxelSize(const RadianceVolume& volume) {
     return static_cast<float>(1 / volume.voxels->layout.voxelSize);
 }
 
+}  // namespace
+
 gl::Defines diffuseDefines(const Settings& settings, const Voxels& voxels, const Sky& sky,
                            const gl::Defines& gbufferDefines) {
     gl::Defines defines = merged(coneSetDefines(settings, voxels, sky, settings.cone.diffuse), gbufferDefines);
@@ -65,7 +67,21 @@ gl::Defines specularDefines(const Settings& settings, const Voxels& voxels, cons
     return defines;
 }
 
-}  // namespace
+void setDiffuseUniforms(gl::Program& program, const Settings& settings, const Sky& sky, const RadianceVolume& volume,
+                        int unit) {
+    setConeUniforms(program, settings, sky, volume, settings.cone.step, unit);
+    setConeSetUniforms(program, settings.cone.diffuse);
+    program.set("u_inverseVoxelSize", inverseVoxelSize(volume));
+}
+
+void setSpecularUniforms(gl::Program& program, const Settings& settings, const Sky& sky, const RadianceVolume& volume,
+                         int unit) {
+    setConeUniforms(program, settings, sky, volume, settings.specular.step, unit);
+    // Few of the cones of a lobe run along the surface, as those at the rim of a diffuse set do.
+    program.set("u_footprintCap", 0.5 * settings.cone.footprintCap);
+    program.set("u_inverseVoxelSize", inverseVoxelSize(volume));
+    program.set("u_smoothAlpha", kSmoothAlpha);
+}
 
 DiffusePass::DiffusePass(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels,
                          const Sky& sky, const gl::Defines& gbufferDefines, int width, int height)
@@ -87,11 +103,9 @@ void DiffusePass::resize(int width, int height) {
 
 void DiffusePass::gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky,
                          const BindGBuffer& bindGBuffer, SeamSide side, const Stop& stop) {
-    setConeUniforms(program, settings_, sky, volume, settings_.cone.step, kConeUnit);
-    setConeSetUniforms(program, settings_.cone.diffuse);
+    setDiffuseUniforms(program, settings_, sky, volume, kConeUnit);
     setContainmentUniforms(program, *volume.voxels, side == SeamSide::blended);
     program.set("u_coarserSide", side == SeamSide::coarser);
-    program.set("u_inverseVoxelSize", inverseVoxelSize(volume));
     bindGBuffer(program, kGBufferUnit);
     dispatchBands(program, gathered_, "u_gathered", GL_RGBA32F, stop);
 }
@@ -138,11 +152,7 @@ void SpecularPass::resize(int width, int height) {
 
 void SpecularPass::gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky,
                           const BindGBuffer& bindGBuffer, const Stop& stop) {
-    setConeUniforms(program, settings_, sky, volume, settings_.specular.step, kConeUnit);
-    // Few of the cones of a lobe run along the surface, as those at the rim of a diffuse set do.
-    program.set("u_footprintCap", 0.5 * settings_.cone.footprintCap);
-    program.set("u_inverseVoxelSize", inverseVoxelSize(volume));
-    program.set("u_smoothAlpha", kSmoothAlpha);
+    setSpecularUniforms(program, settings_, sky, volume, kConeUnit);
     bindGBuffer(program, kGBufferUnit);
     dispatchBands(program, gathered_, "u_gathered", GL_RGBA32F, stop);
 }

@@ -18,6 +18,17 @@ using BindGBuffer = std::function<void(gl::Program&, int firstUnit)>;
 /// Asked between pieces of long work; true abandons it. Empty: never.
 using Stop = std::function<bool()>;
 
+// What the programs that trace a pixel's cones need, also that which asks what they meet (inspect.h): defines with those of
+// frame/gbuffer.glsl, and uniforms from texture unit `unit` on, kConeUnits of them.
+gl::Defines diffuseDefines(const Settings& settings, const Voxels& voxels, const Sky& sky,
+                           const gl::Defines& gbufferDefines);
+void setDiffuseUniforms(gl::Program& program, const Settings& settings, const Sky& sky, const RadianceVolume& volume,
+                        int unit);
+gl::Defines specularDefines(const Settings& settings, const Voxels& voxels, const Sky& sky,
+                            const gl::Defines& gbufferDefines);
+void setSpecularUniforms(gl::Program& program, const Settings& settings, const Sky& sky, const RadianceVolume& volume,
+                         int unit);
+
 class DiffusePass {
   public:
     /// `gbufferDefines`: those that frame/gbuffer.glsl is compiled with. Size in pixels of the G-buffer.

@@ -6,8 +6,6 @@
 
 namespace voxcone {
 
-namespace {
-
 gl::Defines refractionDefines(const Settings& settings, const Scene& scene, const Voxels& voxels, const Sky& sky,
                               const gl::Defines& gbufferDefines) {
     const auto any = [&](auto&& test) {
@@ -21,7 +19,12 @@ gl::Defines refractionDefines(const Settings& settings, const Scene& scene, cons
     return defines;
 }
 
-}  // namespace
+void setRefractionUniforms(gl::Program& program, const Settings& settings, const Sky& sky, const RadianceVolume& volume,
+                           int unit) {
+    setConeUniforms(program, settings, sky, volume, settings.specular.step, unit);
+    setConeSetUniforms(program, settings.cone.diffuse);
+    program.set("u_inverseVoxelSize", static_cast<float>(1 / volume.voxels->layout.voxelSize));
+}
 
 RefractionPass::RefractionPass(const gl::ShaderLibrary& shaders, const Settings& settings, const Scene& scene,
                                const Voxels& voxels, const Sky& sky, const gl::Defines& gbufferDefines,
@@ -40,9 +43,7 @@ void RefractionPass::resize(int width, int height) {
 void RefractionPass::gather(gl::Program& program, const RadianceVolume& volume, const Sky& sky,
                             const BindGBuffer& bindGBuffer) {
     constexpr int kTableUnit = gl::kEnvironmentUnit, kConeUnit = gl::kPassTextureUnit;
-    setConeUniforms(program, settings_, sky, volume, settings_.specular.step, kConeUnit);
-    setConeSetUniforms(program, settings_.cone.diffuse);
-    program.set("u_inverseVoxelSize", static_cast<float>(1 / volume.voxels->layout.voxelSize));
+    setRefractionUniforms(program, settings_, sky, volume, kConeUnit);
     specularAlbedo_.bindTo(kTableUnit);
     program.set("u_specularAlbedo", kTableUnit);
     bindGBuffer(program, kConeUnit + kConeUnits);

@@ -5,6 +5,12 @@
 
 namespace voxcone {
 
+// As diffuseDefines and setDiffuseUniforms. `scene` transmits (gl::GpuScene::anyTransmission).
+gl::Defines refractionDefines(const Settings& settings, const Scene& scene, const Voxels& voxels, const Sky& sky,
+                              const gl::Defines& gbufferDefines);
+void setRefractionUniforms(gl::Program& program, const Settings& settings, const Sky& sky, const RadianceVolume& volume,
+                           int unit);
+
 /// Beams: one cone from where the eye's ray leaves the body. Thin sheets let it pass straight; solids refract it where
 /// it enters and where it leaves, which is looked for among the back faces that the G-buffer holds (after Wyman, "An
 /// Approximate Image-Space Approach for Interactive Refraction", 2005), and absorb along the way between. Diffuse

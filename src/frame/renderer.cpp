@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cascade/voxels.h"
 #include "cone/gather.h"
 #include "cone/inspect.h"
 #include "cone/refraction.h"
 #include "core/check.h"
+#include "core/voxel_channel.h"
 #include "frame/cascade_view.h"
 #include "frame/gbuffer.h"
 #include "frame/tonemap.h"
@@ -150,6 +152,7 @@ struct Renderer::Impl {
                 bouncesLeft = settings.light.bounces > 0 ? kSettlingBounces : 0;
             }
             if (light || !update.empty() || bouncesLeft > 0) {
+                bounceField.reset();
                 field->update(
                     voxels, sky, {light, coarsest, bouncesLeft == 0},
                     [this](gl::Program& program) { shadowMaps.bind(program); }, timers);
@@ -166,6 +169,7 @@ struct Renderer::Impl {
         const bool compare = change && voxelizer && !voxels.windows.empty();
         if (compare) before = gatheredBefore(worldCamera);
         timers.beginFrame();
+        if (!std::exchange(bounceShown, false)) bounceField.reset();
         // Passes store into the images that the last frame fetched.
         gl::memoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
         updateVoxels(clipmapEye.value_or(worldCamera.position));
@@ -259,6 +263,7 @@ struct Renderer::Impl {
             memory("leaf volume", voxels.leafDepth.bytes());
             memory("voxel records", voxels.recordBytes());
             memory("voxel radiance", field->bytes());
+            if (bounceField) memory("voxel radiance of a bounce", bounceField->bytes());
             memory("diffuse cones", diffuse->bytes());
             if (specular) memory("specular cones", specular->bytes());
             if (refraction) memory("refraction cones", refraction->texture().bytes());
@@ -281,6 +286,24 @@ struct Renderer::Impl {
         stats.counts["voxel_sums_saturated"] = voxels.counters.saturated;
         stats.counts["emission_clamped"] = voxels.counters.clamped;
         stats.counts["radiance_clamped"] = field ? field->clamped() : 0;
+    }
+
+    /// All light, or that of one bounce alone (VoxelChannel::bounce). The latter is gathered when it is first asked for,
+    /// and given up when voxels or light change, or a frame has passed without its being shown.
+    const RadianceField& fieldOf(int bounce) {
+        if (bounce < 0) return *field;
+        bounceShown = true;
+        if (bounceField && bounceOfField == bounce) return *bounceField;
+        Settings only = settings;
+        only.light.bounces = bounceOfField = bounce;
+        only.light.tolerance = 0;
+        only.light.extrapolate = false;
+        bounceField.reset();
+        bounceField = std::make_unique<RadianceField>(shaders, only, voxels, sky, !scene.lights.empty());
+        gl::PassTimers unused(gl::TimerMode::finish);
+        bounceField->update(voxels, sky, {}, [this](gl::Program& program) { shadowMaps.bind(program); }, unused);
+        if (bounce > 0) bounceField->isolateLastBounce(voxels);
+        return *bounceField;
     }
 
     const gl::Texture& drawCascade() {
@@ -330,12 +353,14 @@ struct Renderer::Impl {
         if (name.rfind("voxel_", 0) == 0) {
             Image empty(settings.output.width, settings.output.height, 3);
             if (!voxelizer) return empty;
-            const auto colon = name.find(':');
-            const int level = colon == std::string::npos ? -1 : std::stoi(name.substr(colon + 1));
-            if (level >= layout.count()) return empty;
-            if (!voxelView) voxelView = std::make_unique<VoxelView>(shaders, voxels, width, height);
-            voxelView->draw(name.substr(0, colon), level, gbuffer.view(), field->volume(voxels), field->faces(),
-                            voxelOptions);
+            VoxelChannel shown;
+            const std::string why = VoxelChannel::parse(name, shown);
+            VOXCONE_CHECK(why.empty(), "{}", why);
+            if (shown.level >= layout.count()) return empty;
+            if (!voxelView)
+                voxelView = std::make_unique<VoxelView>(shaders, voxels, settings.voxel.storage, width, height);
+            const RadianceField& light = fieldOf(shown.bounce);
+            voxelView->draw(shown, gbuffer.view(), light.volume(voxels), light.faces(), voxelOptions);
             return readout.read(voxelView->texture(), 3, n);
         }
         return gbuffer.channel(name, n);
@@ -356,6 +381,9 @@ struct Renderer::Impl {
     std::unique_ptr<DirectPass> direct;
     std::unique_ptr<Voxelizer> voxelizer;
     std::unique_ptr<RadianceField> field;
+    std::unique_ptr<RadianceField> bounceField;  ///< of one bounce alone, while it is looked at
+    int bounceOfField = 0;
+    bool bounceShown = false;  ///< since the last frame
     std::uint64_t degenerate = 0;  ///< triangles without area, over all instances
     ClipmapLayout layout;
     std::unique_ptr<ClipmapSchedule> schedule;
@@ -373,7 +401,7 @@ struct Renderer::Impl {
     std::unique_ptr<VoxelView> voxelView;
     VoxelViewOptions voxelOptions;
     std::unique_ptr<VoxelSlicer> slicer;
-    std::unique_ptr<ConeInspector> inspector;
+    std::map<ConeLobe, std::unique_ptr<ConeInspector>> inspectors;
     std::unique_ptr<CascadeView> cascadeView;
     bool forgotten = true;  ///< nothing that was voxelized and lit before is of use
     FrameStats stats;
@@ -406,22 +434,37 @@ void Renderer::setVoxelView(const VoxelViewOptions& options) {
     impl_->voxelOptions = options;
 }
 
-PixelCones Renderer::inspect(int x, int y) {
+std::vector<PixelCones> Renderer::inspect(int x, int y) {
     Impl& r = *impl_;
     VOXCONE_CHECK(x >= 0 && y >= 0 && x < r.width && y < r.height, "pixel {}, {} of {}×{}", x, y, r.width, r.height);
-    if (!r.voxelizer) return {};
-    if (!r.inspector)
-        r.inspector = std::make_unique<ConeInspector>(r.shaders, r.settings, r.voxels, r.sky, r.gbuffer.defines());
-    return r.inspector->inspect({x, r.height - 1 - y}, r.field->volume(r.voxels), r.sky,
-                                [&r](gl::Program& program, int unit) { r.gbuffer.bind(program, unit); });
+    std::vector<PixelCones> lobes;
+    if (!r.voxelizer) return lobes;
+    const auto ask = [&](ConeLobe lobe, const Sky& seen) {
+        auto& inspector = r.inspectors[lobe];
+        if (!inspector)
+            inspector = std::make_unique<ConeInspector>(lobe, r.shaders, r.settings, r.scene, r.voxels, seen,
+                                                        r.gbuffer.defines(), r.specularAlbedo);
+        PixelCones cones = inspector->inspect({x, r.height - 1 - y}, r.field->volume(r.voxels), seen,
+                                              [&r](gl::Program& program, int unit) { r.gbuffer.bind(program, unit); });
+        if (!cones.cones.empty()) lobes.push_back(std::move(cones));
+    };
+    ask(ConeLobe::diffuse, r.sky);
+    if (r.specular) ask(ConeLobe::specular, r.sky);
+    const auto any = [&](auto&& test) {
+        return r.refraction && std::any_of(r.scene.materials.begin(), r.scene.materials.end(), test);
+    };
+    if (any([](const Material& m) { return m.transmission > 0; })) ask(ConeLobe::beam, r.seenSky);
+    if (any([](const Material& m) { return m.diffuseTransmission > 0; })) ask(ConeLobe::scattered, r.seenSky);
+    return lobes;
 }
 
-VoxelSlice Renderer::voxelSlice(int level, int axis, int depth) {
+VoxelSlice Renderer::voxelSlice(int level, int axis, int depth, int bounce) {
     Impl& r = *impl_;
     if (!r.voxelizer || r.voxels.windows.empty()) return {};
     if (!r.slicer) r.slicer = std::make_unique<VoxelSlicer>(r.shaders, r.voxels);
-    return r.slicer->read(std::clamp(level, 0, r.layout.count() - 1), axis, depth, r.field->volume(r.voxels),
-                          r.field->faces());
+    const RadianceField& light = r.fieldOf(bounce);
+    return r.slicer->read(std::clamp(level, 0, r.layout.count() - 1), axis, depth, light.volume(r.voxels),
+                          light.faces());
 }
 
 bool Renderer::render(const Camera& worldCamera, const std::function<bool()>& stop) {

@@ -121,13 +121,13 @@ class Renderer {
     /// The same on the device: RGBA32F, row 0 at the bottom, ready to be fetched.
     gl::Texture displayTexture();
 
-    /// The diffuse cones of a pixel of the last frame, at the G-buffer's resolution (output times supersample), from
-    /// the upper left. No surface, no cones.
-    PixelCones inspect(int x, int y);
+    /// The cones of a pixel of the last frame, at the G-buffer's resolution (output times supersample), from the upper
+    /// left, by lobe: diffuse ones first, others where the surface has them. No surface, nothing.
+    std::vector<PixelCones> inspect(int x, int y);
 
     /// A slice of the voxels of the last frame, also if it was abandoned (VoxelSlicer); empty for a scene without
-    /// triangles.
-    VoxelSlice voxelSlice(int level, int axis, int depth);
+    /// triangles. `bounce`: as VoxelChannel has it.
+    VoxelSlice voxelSlice(int level, int axis, int depth, int bounce = -1);
 
     /// The steps between levels in the last frame, which are gathered anew.
     std::vector<SeamStep> seam();

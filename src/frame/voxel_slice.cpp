@@ -53,16 +53,9 @@ VoxelSlice VoxelSlicer::read(int level, int axis, int depth, const RadianceVolum
     const auto count = static_cast<std::size_t>(slice.width) * static_cast<std::size_t>(slice.height);
     gl::Buffer words(count * kWords * sizeof(std::uint32_t));
 
-    voxels.setClipmapUniforms(program_);
-    voxels.faces.bindBase(GL_SHADER_STORAGE_BUFFER, kFaceStorage);
+    voxels.bindRecords(program_, gl::kPassTextureUnit);
     faceRadiance.bindBase(GL_SHADER_STORAGE_BUFFER, kRadianceStorage);
     words.bindBase(GL_SHADER_STORAGE_BUFFER, kSliceStorage);
-    voxels.index.bindTo(gl::kPassTextureUnit);
-    program_.set("u_index", gl::kPassTextureUnit);
-    if (voxels.anyMoving()) {
-        voxels.movingIndex.bindTo(gl::kPassTextureUnit + 1);
-        program_.set("u_movingIndex", gl::kPassTextureUnit + 1);
-    }
     program_.set("u_level", level);
     program_.set("u_low", slice.low);
     program_.set("u_size", glm::ivec2(slice.width, slice.height));

@@ -1,5 +1,6 @@
 #include "frame/voxel_view.h"
 
+#include <algorithm>
 #include <array>
 
 #include "core/check.h"
@@ -7,8 +8,17 @@
 
 namespace voxcone {
 
-VoxelView::VoxelView(const gl::ShaderLibrary& shaders, const Voxels& voxels, int width, int height)
-    : program_(shaders.compute("frame/voxel_view.comp", {{"LAYERS", voxels.anyMoving() ? "2" : "1"}})) {
+namespace {
+
+constexpr int kLobeStorage = 4;  // shaders/frame/voxel_view.comp
+
+}  // namespace
+
+VoxelView::VoxelView(const gl::ShaderLibrary& shaders, const Voxels& voxels, VoxelStorage storage, int width,
+                     int height)
+    : program_(shaders.compute("frame/voxel_view.comp", {{"LAYERS", voxels.anyMoving() ? "2" : "1"},
+                                                         {"SIX_FACE", voxels.sixFace() ? "1" : "0"},
+                                                         {"SH1", storage == VoxelStorage::sh1 ? "1" : "0"}})) {
     resize(width, height);
 }
 
@@ -16,11 +26,12 @@ void VoxelView::resize(int width, int height) {
     picture_ = gl::Texture::create2D(GL_RGBA32F, width, height);
 }
 
-void VoxelView::draw(const std::string& what, int level, const CameraView& view, const RadianceVolume& volume,
+void VoxelView::draw(const VoxelChannel& channel, const CameraView& view, const RadianceVolume& volume,
                      const gl::Buffer& faceRadiance, const VoxelViewOptions& options) {
-    constexpr std::array kNames{"voxel_albedo", "voxel_normal", "voxel_radiance", "voxel_opacity"};
-    const auto name = std::find(kNames.begin(), kNames.end(), what);
-    VOXCONE_CHECK(name != kNames.end(), "no voxel view {}", what);
+    const auto& names = VoxelChannel::kNames;
+    const auto name = std::find(names.begin(), names.end(), channel.base);
+    VOXCONE_CHECK(name != names.end(), "no voxel view {}", channel.base);
+    const int level = channel.level;
     const Voxels& voxels = *volume.voxels;
     const ClipmapLayout& layout = voxels.layout;
     VOXCONE_CHECK(level < layout.count(), "level {} of {}", level, layout.count());
@@ -37,16 +48,11 @@ void VoxelView::draw(const std::string& what, int level, const CameraView& view,
             high[i] = glm::min(high[i], glm::vec3(c + voxels.radius() * edge));
         }
     }
-    voxels.setClipmapUniforms(program_);
-    voxels.faces.bindBase(GL_SHADER_STORAGE_BUFFER, kFaceStorage);
+    voxels.bindRecords(program_, gl::kPassTextureUnit);
     faceRadiance.bindBase(GL_SHADER_STORAGE_BUFFER, kRadianceStorage);
-    voxels.index.bindTo(gl::kPassTextureUnit);
-    program_.set("u_index", gl::kPassTextureUnit);
-    if (voxels.anyMoving()) {
-        voxels.movingIndex.bindTo(gl::kPassTextureUnit + 1);
-        program_.set("u_movingIndex", gl::kPassTextureUnit + 1);
-    }
-    program_.set("u_what", static_cast<int>(name - kNames.begin()));
+    volume.radiance->bindBase(GL_SHADER_STORAGE_BUFFER, kLobeStorage);
+    program_.set("u_what", static_cast<int>(name - names.begin()));
+    program_.set("u_face", channel.face);
     program_.set("u_firstLevel", level < 0 ? 0 : level);
     program_.set("u_lastLevel", level < 0 ? layout.levels - 1 : level);
     program_.set("u_boxLow", std::span<const glm::vec3>(low));

@@ -1,9 +1,8 @@
 // Pictures of the voxels themselves: the first occupied voxel along each pixel's ray.
 #pragma once
 
-#include <string>
-
 #include "cone/cone_uniforms.h"
+#include "core/voxel_channel.h"
 #include "frame/gbuffer.h"
 
 namespace voxcone {
@@ -21,15 +20,17 @@ struct VoxelViewOptions {
 class VoxelView {
   public:
     /// Size in pixels of the G-buffer.
-    VoxelView(const gl::ShaderLibrary& shaders, const Voxels& voxels, int width, int height);
+    VoxelView(const gl::ShaderLibrary& shaders, const Voxels& voxels, VoxelStorage storage, int width, int height);
 
     /// Another size of the G-buffer.
     void resize(int width, int height);
 
-    /// `what`: voxel_albedo, voxel_normal, voxel_radiance (of the face that looks to the eye) or voxel_opacity (its
-    /// coverage). `level`: all of one level or mip; −1 each level where cones read it. `faceRadiance` is
-    /// RadianceField::faces().
-    void draw(const std::string& what, int level, const CameraView& view, const RadianceVolume& volume,
+    /// The view that `channel` names, of the light that `volume` holds; `channel.bounce` is whoever chose it.
+    /// `faceRadiance` is RadianceField::faces() of the same light.
+    ///
+    /// Lobes: what cones read of a record, by direction, painted on the sides of its voxel. The point that the unit
+    /// vector n from the voxel's centre meets shows the radiance that a cone along −n takes.
+    void draw(const VoxelChannel& channel, const CameraView& view, const RadianceVolume& volume,
               const gl::Buffer& faceRadiance, const VoxelViewOptions& options = {});
 
     /// RGBA32F; 0 where no voxel is met.

@@ -37,14 +37,6 @@ void bind(const gl::Buffer& buffer, int block) {
     if (buffer) buffer.bindBase(GL_SHADER_STORAGE_BUFFER, block);
 }
 
-void bindIndex(gl::Program& program, const Voxels& voxels) {
-    voxels.index.bindTo(gl::kPassTextureUnit);
-    program.set("u_index", gl::kPassTextureUnit);
-    if (!voxels.anyMoving()) return;
-    voxels.movingIndex.bindTo(gl::kPassTextureUnit + 1);
-    program.set("u_movingIndex", gl::kPassTextureUnit + 1);
-}
-
 }  // namespace
 
 RadianceField::RadianceField(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels,
@@ -208,6 +200,25 @@ void RadianceField::bounce(const Voxels& voxels, const Sky& sky, int bounces, bo
     gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
+void RadianceField::isolateLastBounce(const Voxels& voxels) {
+    gl::memoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    direct_.clear();
+    gathered_.clear();
+    if (counters_.activeFaces > 0) {
+        // The series continued by once its last increment, from nothing: the increment.
+        const Series series{.tail = glm::vec3(1)};
+        state_.upload(&series, sizeof series);
+        bind(state_, kSeriesStorage);
+        bind(list_, kListStorage);
+        bind(gathered_, kGatheredStorage);
+        extend_.set("u_faceCount", counters_.activeFaces);
+        dispatchItems(extend_, counters_.activeFaces);
+        gl::memoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    }
+    if (voxels.layout.levels > 1) spread(voxels, true);
+    store(voxels, 0, true, false);
+}
+
 void RadianceField::spread(const Voxels& voxels, bool all) {
     bind(voxels.places, kPlaceStorage);
     bind(voxels.faces, kFaceStorage);
@@ -218,7 +229,7 @@ void RadianceField::spread(const Voxels& voxels, bool all) {
     bind(voxels.fresh, kListStorage);
     spread_.set("u_slotCount", slots);
     spread_.set("u_listed", !all);
-    bindIndex(spread_, voxels);
+    voxels.bindIndex(spread_, gl::kPassTextureUnit);
     for (int level = voxels.layout.levels - 2; level >= 0; --level) {
         spread_.set("u_level", level);
         dispatchItems(spread_, slots);
@@ -257,7 +268,7 @@ void RadianceField::store(const Voxels& voxels, int firstLevel, bool all, bool c
 
     voxels.setClipmapUniforms(mip_);
     mip_.set("u_slotCount", voxels.slots);
-    bindIndex(mip_, voxels);
+    voxels.bindIndex(mip_, gl::kPassTextureUnit);
     for (int level = voxels.layout.levels; level < voxels.layout.count(); ++level) {
         mip_.set("u_level", level);
         dispatchSlots(mip_, voxels.slots);

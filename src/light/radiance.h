@@ -29,6 +29,10 @@ class RadianceField {
     void update(const Voxels& voxels, const Sky& sky, const Change& change,
                 const std::function<void(gl::Program&)>& bindLights, gl::PassTimers& timers);
 
+    /// Keeps of all light what the last bounce of the last update has brought alone. It must have begun from nothing,
+    /// with a light.bounces of 1 or more, light.tolerance 0 and no light.extrapolate; so must the next update.
+    void isolateLastBounce(const Voxels& voxels);
+
     /// Valid until the next update; `voxels` must still live.
     RadianceVolume volume(const Voxels& voxels) const { return {&voxels, sixFace_ ? &faces_ : &folded_, scale_}; }
 

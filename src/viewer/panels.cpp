@@ -475,20 +475,22 @@ std::string faceText(const VoxelFace& face) {
         face.radiance.y, face.radiance.z, face.coverage);
 }
 
-/// What the slice shows of a voxel, in the channel that is looked at.
-ImVec4 sliceColor(const VoxelFacts& voxel, const std::string& channel, float exposure) {
+/// What the slice shows of a voxel in the view that is looked at: of one face, or the mean of all.
+ImVec4 sliceColor(const VoxelFacts& voxel, const VoxelChannel& channel, float exposure) {
     glm::vec3 sum(0);
     float weight = 0;
-    for (const VoxelFace& face : voxel.faces) {
-        const glm::vec3 value = channel == "voxel_albedo"     ? face.albedo
-                                : channel == "voxel_normal"   ? 0.5f * face.normal + 0.5f
-                                : channel == "voxel_radiance" ? exposure * face.radiance
-                                                              : glm::vec3(face.coverage);
+    for (int f = 0; f < 6; ++f) {
+        if (channel.face >= 0 && channel.face != f) continue;
+        const VoxelFace& face = voxel.faces[static_cast<std::size_t>(f)];
+        const glm::vec3 value = channel.base == "voxel_albedo"   ? face.albedo
+                                : channel.base == "voxel_normal" ? 0.5f * face.normal + 0.5f
+                                : channel.showsLight()           ? exposure * face.radiance
+                                                                 : glm::vec3(face.coverage);
         sum += face.coverage * value;
         weight += face.coverage;
     }
     const glm::vec3 mean = weight > 0 ? sum / weight : glm::vec3(0);
-    const bool encoded = channel == "voxel_normal" || channel == "voxel_opacity";
+    const bool encoded = channel.base == "voxel_normal" || channel.base == "voxel_opacity";
     const auto shown = [&](float v) { return encoded ? v : srgbFromLinear(std::clamp(v, 0.0f, 1.0f)); };
     return {shown(mean.x), shown(mean.y), shown(mean.z), 1};
 }
@@ -516,6 +518,7 @@ void drawSlice(Session& session) {
     ImDrawList& list = *ImGui::GetWindowDrawList();
     list.AddRectFilled(corner, ImVec2(corner.x + size.x, corner.y + size.y), 0xff181818);
     const auto exposure = static_cast<float>(std::exp2(session.settings.now().output.exposure));
+    const VoxelChannel channel = session.voxelChannel();
     std::array<float, 20> histogram{};
     int occupied = 0;
     for (int v = 0; v < slice.height; ++v) {
@@ -529,7 +532,7 @@ void drawSlice(Session& session) {
             const ImVec2 low(corner.x + edge * static_cast<float>(u),
                              corner.y + edge * static_cast<float>(slice.height - 1 - v));
             list.AddRectFilled(low, ImVec2(low.x + edge, low.y + edge),
-                               ImGui::ColorConvertFloat4ToU32(sliceColor(voxel, session.channel, exposure)));
+                               ImGui::ColorConvertFloat4ToU32(sliceColor(voxel, channel, exposure)));
         }
     }
     if (ImGui::IsItemHovered()) {
@@ -555,11 +558,26 @@ void drawSlice(Session& session) {
 }
 
 void drawVoxelPanel(Session& session) {
-    constexpr std::array kViews = {"voxel_albedo", "voxel_normal", "voxel_radiance", "voxel_opacity"};
     if (ImGui::RadioButton("off", !session.channel.starts_with("voxel_"))) session.channel = "beauty";
-    for (const char* name : kViews) {
+    for (const char* name : VoxelChannel::kNames) {
         ImGui::SameLine();
         if (ImGui::RadioButton(name + 6, session.channel == name)) session.channel = name;
+    }
+    const VoxelChannel channel = session.voxelChannel();
+    if (channel.hasFaces()) {
+        ImGui::RadioButton("to the eye", &session.voxelFace, -1);
+        for (int face = 0; face < 6; ++face) {
+            ImGui::SameLine();
+            ImGui::RadioButton(VoxelChannel::kFaces[static_cast<std::size_t>(face)], &session.voxelFace, face);
+        }
+    }
+    if (channel.showsLight()) {
+        ImGui::SliderInt("bounce", &session.voxelBounce, -1, std::max(8, session.settings.now().light.bounces + 1),
+                         session.voxelBounce < 0    ? "all light"
+                         : session.voxelBounce == 0 ? "direct and emitted"
+                                                    : "%d alone");
+        session.voxelBounce = std::clamp(session.voxelBounce, -1, VoxelChannel::kMostBounces);
+        tip("what each bounce between voxels brings, also beyond light.bounces; gathered when it is first shown");
     }
     const int count = session.picture ? std::max(session.picture->clipmap.layout.count(), 1) : 1;
     ImGui::SliderInt("level", &session.level, -1, count - 1,
@@ -669,20 +687,30 @@ void drawInspectorPanel(Session& session) {
     if (const auto traced = asked.tracer ? asked.tracer->picture() : nullptr)
         dim(fmt::format("{} paths, error {:.2g} %{}", traced->samples, 100 * traced->error,
                         asked.tracer->running() ? "" : ", done"));
-    if (!asked.cones.hit) return dim("the pixel shows no surface");
-    const glm::vec3 sum = asked.cones.radiance();
-    dim(fmt::format("its cones gather {:.4f} {:.4f} {:.4f} before neighbours are averaged and albedo is multiplied",
-                    sum.x, sum.y, sum.z));
-    const int last = static_cast<int>(asked.cones.cones.size()) - 1;
+    if (asked.lobes.empty()) return dim("the pixel shows no surface");
+    for (std::size_t i = 0; i < asked.lobes.size(); ++i) {
+        if (i > 0) ImGui::SameLine();
+        ImGui::RadioButton(nameOf(asked.lobes[i].lobe), &asked.lobe, static_cast<int>(i));
+    }
+    const PixelCones& lobe = *asked.shown();
+    const glm::vec3 sum = lobe.radiance(), out = lobe.outgoing();
+    dim(fmt::format("its {} cones gather {:.4f} {:.4f} {:.4f}; times {:.4f} {:.4f} {:.4f}, which the surface sends to "
+                    "the eye, {:.4f} {:.4f} {:.4f} in {}{}",
+                    nameOf(lobe.lobe), sum.x, sum.y, sum.z, lobe.share.x, lobe.share.y, lobe.share.z, out.x, out.y,
+                    out.z, channelOf(lobe.lobe),
+                    lobe.lobe == ConeLobe::diffuse || lobe.lobe == ConeLobe::specular
+                        ? ", before neighbours are averaged"
+                        : ""));
+    const int last = static_cast<int>(lobe.cones.size()) - 1;
     asked.selected = std::clamp(asked.selected, 0, last);
     ImGui::SliderInt("cone", &asked.selected, 0, last);
     ImGui::SameLine();
     ImGui::Checkbox("alone", &asked.onlySelected);
-    const InspectedCone& cone = asked.cones.cones[static_cast<std::size_t>(asked.selected)];
+    const InspectedCone& cone = lobe.cones[static_cast<std::size_t>(asked.selected)];
     const glm::vec3 total = cone.total();
     dim(fmt::format(
-        "weight {:.4f}; voxels {:.4f} {:.4f} {:.4f} + {:.4f} x sky {:.4f} {:.4f} {:.4f} = {:.4f} {:.4f} {:.4f}",
-        cone.weight, cone.radiance.x, cone.radiance.y, cone.radiance.z, cone.transmittance, cone.sky.x, cone.sky.y,
+        "weight {:.4f}, half-angle {:.1f} deg; voxels {:.4f} {:.4f} {:.4f} + {:.4f} x sky {:.4f} {:.4f} {:.4f} = {:.4f} {:.4f} {:.4f}",
+        cone.weight, glm::degrees(std::atan(cone.tanHalfAngle)), cone.radiance.x, cone.radiance.y, cone.radiance.z, cone.transmittance, cone.sky.x, cone.sky.y,
         cone.sky.z, total.x, total.y, total.z));
     plotCone(cone);
 }

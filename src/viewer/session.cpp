@@ -251,7 +251,7 @@ void Session::inspect(const glm::dvec2& place) {
         if (pixel.x >= size.width || pixel.y >= size.height) return;
         if (withoutCones(desk.view)) desk.renderer.render(desk.view.camera);
         const int n = size.supersample;
-        found->cones = desk.renderer.inspect(pixel.x * n + n / 2, pixel.y * n + n / 2);
+        found->lobes = desk.renderer.inspect(pixel.x * n + n / 2, pixel.y * n + n / 2);
         for (const char* name :
              {"beauty", "direct", "indirect_diffuse", "indirect_specular", "transmission", "emission"}) {
             const glm::vec3 value = pixelOf(desk.renderer.channel(name), pixel.x, pixel.y);
@@ -301,30 +301,37 @@ std::string Inspection::json() const {
     if (const auto picture = tracer ? tracer->picture() : nullptr)
         tree["path_tracer"] = {{"samples", picture->samples}, {"relative_error", picture->error}};
     tree["surface"] = nullptr;
-    tree["cones"] = nlohmann::json::array();
-    if (cones.hit) {
-        tree["surface"] = {{"position", array(cones.position)}, {"normal", array(cones.normal)}};
-        tree["gathered"] = array(cones.radiance());
-    }
-    for (const InspectedCone& cone : cones.cones) {
-        nlohmann::json samples = nlohmann::json::array();
-        for (const ConeSample& s : cone.samples)
-            samples.push_back({{"distance_m", s.distance},
-                               {"length_m", s.length},
-                               {"level", s.level},
-                               {"footprint_m", s.footprint},
-                               {"transmittance", s.transmittance},
-                               {"openness", s.openness},
-                               {"radiance", array(s.radiance)}});
-        tree["cones"].push_back({{"direction", array(cone.direction)},
-                                 {"tan_half_angle", cones.tanHalfAngle},
-                                 {"weight", cone.weight},
-                                 {"radiance", array(cone.radiance)},
-                                 {"sky", array(cone.sky)},
-                                 {"transmittance", cone.transmittance},
-                                 {"openness", cone.openness},
-                                 {"truncated", cone.truncated},
-                                 {"samples", samples}});
+    tree["lobes"] = nlohmann::json::object();
+    for (const PixelCones& one : lobes) {
+        tree["surface"] = {{"position", array(one.position)}, {"normal", array(one.normal)}};
+        nlohmann::json cones = nlohmann::json::array();
+        for (const InspectedCone& cone : one.cones) {
+            nlohmann::json samples = nlohmann::json::array();
+            for (const ConeSample& s : cone.samples)
+                samples.push_back({{"distance_m", s.distance},
+                                   {"length_m", s.length},
+                                   {"level", s.level},
+                                   {"footprint_m", s.footprint},
+                                   {"transmittance", s.transmittance},
+                                   {"openness", s.openness},
+                                   {"radiance", array(s.radiance)}});
+            cones.push_back({{"origin", array(cone.origin)},
+                             {"direction", array(cone.direction)},
+                             {"tan_half_angle", cone.tanHalfAngle},
+                             {"sky_tan_half_angle", cone.skyTanHalfAngle},
+                             {"weight", cone.weight},
+                             {"radiance", array(cone.radiance)},
+                             {"sky", array(cone.sky)},
+                             {"transmittance", cone.transmittance},
+                             {"openness", cone.openness},
+                             {"truncated", cone.truncated},
+                             {"samples", samples}});
+        }
+        tree["lobes"][nameOf(one.lobe)] = {{"channel", channelOf(one.lobe)},
+                                           {"gathered", array(one.radiance())},
+                                           {"share", array(one.share)},
+                                           {"outgoing", array(one.outgoing())},
+                                           {"cones", cones}};
     }
     return tree.dump(2);
 }
@@ -491,10 +498,12 @@ void Session::watch(Watched what) {
 void Session::askSlice() {
     if (!facts || !picture) return;
     const int axis = sliceAxis, depth = sliceDepth, at = std::max(level, 0);
+    const int bounce = voxelChannel().bounce;
     const std::uint64_t serial = ++sliceSerial_;
     slicePicture_ = picture->serial;
-    thread.now([this, axis, depth, at, serial](RenderThread::Desk& desk) {
-        auto read = std::make_shared<VoxelSlice>(desk.renderer.voxelSlice(at, axis, depth));
+    sliceBounce_ = bounce;
+    thread.now([this, axis, depth, at, bounce, serial](RenderThread::Desk& desk) {
+        auto read = std::make_shared<VoxelSlice>(desk.renderer.voxelSlice(at, axis, depth, bounce));
         thread.deliver([this, read, serial] {
             sliceAnswered_ = serial;
             slice = read;
@@ -550,9 +559,13 @@ void Session::recallView(const SavedView& view) {
     }
     c.up = uprightOf(c.up, glm::normalize(c.target - c.position));
     camera.set(c);
-    const auto colon = view.channel.find(':');
-    channel = view.channel.substr(0, colon);
-    level = colon == std::string::npos ? -1 : std::stoi(view.channel.substr(colon + 1));
+    channel = baseChannel(view.channel);
+    level = voxelFace = voxelBounce = -1;
+    if (VoxelChannel voxel; VoxelChannel::parse(view.channel, voxel).empty()) {
+        level = voxel.level;
+        voxelFace = voxel.face;
+        voxelBounce = voxel.bounce;
+    }
 }
 
 void Session::startRecording() {
@@ -660,8 +673,17 @@ void Session::redo() {
 
 // ---- The loop
 
+VoxelChannel Session::voxelChannel() const {
+    VoxelChannel voxel;
+    voxel.base = channel;
+    voxel.level = level;
+    if (voxel.hasFaces()) voxel.face = voxelFace;
+    if (voxel.showsLight()) voxel.bounce = voxelBounce;
+    return voxel;
+}
+
 std::string Session::shownChannel() const {
-    return channel.starts_with("voxel_") && level >= 0 ? fmt::format("{}:{}", channel, level) : channel;
+    return channel.starts_with("voxel_") ? voxelChannel().name() : channel;
 }
 
 View Session::view() const {

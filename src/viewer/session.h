@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cone/inspect.h"
+#include "core/voxel_channel.h"
 #include "frame/voxel_slice.h"
 #include "metric/metrics.h"
 #include "viewer/camera_control.h"
@@ -46,12 +47,15 @@ struct CostHistory {
 struct Inspection {
     glm::ivec2 pixel{0};  ///< of the picture, from the upper left
     View view;
-    PixelCones cones;
+    std::vector<PixelCones> lobes;  ///< Renderer::inspect
     /// Radiance towards the eye by channel, W/(m² sr): beauty without exposure, direct, ….
     std::vector<std::pair<std::string, glm::vec3>> terms;
     std::unique_ptr<BackgroundTracer> tracer;  ///< of the same pixel
-    int selected = 0;                          ///< cone
+    int lobe = 0;                              ///< whose cones are shown
+    int selected = 0;                          ///< cone of it
     bool onlySelected = false;                 ///< draw that one alone
+    /// The lobe whose cones are shown; null where there is no surface.
+    const PixelCones* shown() const { return lobes.empty() ? nullptr : &lobes[static_cast<std::size_t>(lobe)]; }
     /// All of it, the path-traced terms too.
     std::string json() const;
     /// The path-traced value of a term; nothing yet, or none.
@@ -98,6 +102,7 @@ struct Session {
     CameraControl camera;
     std::string channel = "beauty";
     int level = -1;  ///< of voxel views; −1: the one that cones read
+    int voxelFace = -1, voxelBounce = -1;  ///< of voxel views that have them: VoxelChannel
     std::vector<Light> lights;
     bool followWindow = false;  ///< the picture has the size of the place it is shown in
 
@@ -206,8 +211,11 @@ struct Session {
     /// Asks for the slice that the controls say.
     void askSlice();
     bool slicePending() const { return sliceAnswered_ != sliceSerial_; }
-    /// The slice shows voxels as they were for an earlier view.
-    bool sliceStale() const { return picture && picture->finished && slicePicture_ != picture->serial; }
+    /// The slice shows voxels as they were for an earlier view, or other light.
+    bool sliceStale() const {
+        return (picture && picture->finished && slicePicture_ != picture->serial) ||
+               sliceBounce_ != voxelChannel().bounce;
+    }
 
     /// Where a light stands; nothing for a directional one.
     std::optional<glm::dvec3> lightPosition(std::size_t light) const;
@@ -256,7 +264,9 @@ struct Session {
     void redo();
     void say(const std::string& text, bool error = false);
 
-    /// The channel's name as a script has it, with its level.
+    /// The voxel view that `channel` is, with all that was chosen of it.
+    VoxelChannel voxelChannel() const;
+    /// The channel's name as a script has it.
     std::string shownChannel() const;
     /// What is to be seen now.
     View view() const;
@@ -300,6 +310,7 @@ struct Session {
     std::uint64_t sliceAnswered_ = 0;
     std::uint64_t sliceSerial_ = 0;   ///< of the last slice that was asked for
     std::uint64_t slicePicture_ = 0;  ///< serial of the view that it shows
+    int sliceBounce_ = -1;            ///< whose light it shows
     std::uint64_t shownSerial_ = 0;
     Clock::time_point placeChanged_;
     glm::ivec2 place_{0}, lastPlace_{0};

@@ -571,20 +571,23 @@ void Viewer::drawSlicePlane(const Projection& projection) {
 void Viewer::drawCones(const Projection& projection) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const Inspection& asked = *session_.inspection;
-    if (!asked.cones.hit) return;
-    for (std::size_t i = 0; i < asked.cones.cones.size(); ++i) {
+    if (asked.shown() == nullptr) return;
+    const PixelCones& lobe = *asked.shown();
+    for (std::size_t i = 0; i < lobe.cones.size(); ++i) {
         const bool selected = static_cast<int>(i) == asked.selected;
         if (asked.onlySelected && !selected) continue;
-        const InspectedCone& cone = asked.cones.cones[i];
+        const InspectedCone& cone = lobe.cones[i];
         if (cone.samples.empty()) continue;
-        const glm::dvec3 end = asked.cones.position + cone.samples.back().distance * cone.direction;
-        if (const auto line = projection.line(asked.cones.position, end))
-            list.AddLine(vec(line->first), vec(line->second), selected ? 0xffffffff : 0x80ffffff,
-                         (selected ? 2.0f : 1.0f) * uiScale_);
+        const glm::dvec3 end = cone.origin + cone.samples.back().distance * cone.direction;
+        // A beam's cone begins behind the surface.
+        for (const auto& [from, to] : {std::pair(lobe.position, cone.origin), std::pair(cone.origin, end)})
+            if (const auto line = projection.line(from, to))
+                list.AddLine(vec(line->first), vec(line->second), selected ? 0xffffffff : 0x80ffffff,
+                             (selected ? 2.0f : 1.0f) * uiScale_);
         double before = 1;
         for (const ConeSample& sample : cone.samples) {
             // A sphere of the footprint, filled by what it stops.
-            const glm::dvec3 centre = asked.cones.position + sample.distance * cone.direction;
+            const glm::dvec3 centre = cone.origin + sample.distance * cone.direction;
             const double stopped = std::clamp(before - sample.transmittance, 0.0, 1.0);
             before = sample.transmittance;
             const auto place = projection.point(centre);
@@ -603,7 +606,7 @@ void Viewer::drawCones(const Projection& projection) {
             }
         }
     }
-    if (const auto place = projection.point(asked.cones.position))
+    if (const auto place = projection.point(lobe.position))
         list.AddCircle(vec(*place), 4 * uiScale_, 0xffffffff, 0, 2 * uiScale_);
 }
 

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/voxel_channel.h"
 #include "scene/placement.h"
 
 namespace voxcone {
@@ -587,17 +588,33 @@ TEST(Placement, DegreesAreThoseOfTheRotation) {
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(same[i], plain[i], 1e-10);
 }
 
-TEST_F(Script, VoxelViewsHaveLevels) {
-    script_["shots"][0]["channels"] = {"cascade", "seam", "voxel_albedo", "voxel_albedo:0", "voxel_opacity:15"};
-    EXPECT_THAT(load().shots[0].channels,
-                ElementsAre("cascade", "seam", "voxel_albedo", "voxel_albedo:0", "voxel_opacity:15"));
+TEST_F(Script, VoxelViewsHaveBouncesFacesAndLevels) {
+    const std::vector<std::string> good = {"cascade",           "seam",              "voxel_albedo",
+                                           "voxel_albedo:0",    "voxel_opacity:15",  "voxel_opacity:+x",
+                                           "voxel_opacity:-z:3", "voxel_radiance:b0", "voxel_radiance:b12:-y:2",
+                                           "voxel_lobes",       "voxel_lobes:b1:4"};
+    script_["shots"][0]["channels"] = good;
+    EXPECT_EQ(load().shots[0].channels, good);
     EXPECT_EQ(baseChannel("voxel_albedo:2"), "voxel_albedo");
+    EXPECT_EQ(baseChannel("voxel_radiance:b2:+x:0"), "voxel_radiance");
     EXPECT_EQ(baseChannel("ao"), "ao");
-    for (const char* level : {"16", "-1", "02", "", "x", "1:2"})
-        EXPECT_THAT(with("/shots/0/channels/0", std::string("voxel_normal:") + level),
+    VoxelChannel parts;
+    EXPECT_EQ(VoxelChannel::parse("voxel_radiance:b12:-y:2", parts), "");
+    EXPECT_EQ(parts.base, "voxel_radiance");
+    EXPECT_EQ(parts.bounce, 12);
+    EXPECT_EQ(parts.face, 3);
+    EXPECT_EQ(parts.level, 2);
+    for (const char* level : {"16", "-1", "02", "", "x", "b", "b01", "+w", "1:x"})
+        EXPECT_THAT(with("/shots/0/channels/0", std::string("voxel_radiance:") + level),
                     AllOf(StartsWith("script.json: shots[0].channels[0]: "), HasSubstr("is no level: 0 to 15")))
             << level;
+    // Each view has one name.
+    for (const char* name : {"voxel_radiance:2:b1", "voxel_radiance:1:2", "voxel_radiance:+x:b1", "voxel_radiance:+x:+y"})
+        EXPECT_THAT(with("/shots/0/channels/0", name), HasSubstr("must stand as in \"voxel_radiance:")) << name;
     EXPECT_THAT(with("/shots/0/channels/0", "ao:1"), HasSubstr("\"ao\" has no levels"));
+    EXPECT_THAT(with("/shots/0/channels/0", "voxel_albedo:b1"), HasSubstr("\"voxel_albedo\" has no bounces"));
+    EXPECT_THAT(with("/shots/0/channels/0", "voxel_lobes:+x"), HasSubstr("\"voxel_lobes\" has no faces"));
+    EXPECT_THAT(with("/shots/0/channels/0", "voxel_radiance:b65"), HasSubstr("\"b65\" is no bounce: b0 to b64"));
     EXPECT_THAT(with("/shots/0/channels/0", "voxel_albed:1"), HasSubstr("did you mean \"voxel_albedo\"?"));
     EXPECT_THAT(with("/shots/0/channels/0", "voxel_opacity:15"), HasSubstr("twice"));
 }

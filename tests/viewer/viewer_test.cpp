@@ -84,7 +84,7 @@ class ViewerTest : public testing::Test {
         const std::uint64_t before = session().sceneSerial;
         ASSERT_TRUE(turnUntil([&] { return session().sceneSerial > before && session().settled(); }));
         session().channel = "beauty";
-        session().level = -1;
+        session().level = session().voxelFace = session().voxelBounce = -1;
         ASSERT_TRUE(settle());
         session().messages.clear();
     }
@@ -215,14 +215,26 @@ TEST_F(ViewerTest, WrittenScriptReplaysToTheSamePicture) {
     drag(GLFW_MOUSE_BUTTON_LEFT, inPicture(0.5, 0.5), inPicture(0.62, 0.45));
     drag(GLFW_MOUSE_BUTTON_RIGHT, inPicture(0.5, 0.5), inPicture(0.52, 0.5));
     session().lights[0].direction = glm::normalize(glm::dvec3(0.2, -1, -0.3));
-    for (const char* channel : {"beauty", "voxel_radiance"}) {
+    for (const char* channel : {"beauty", "voxel_radiance", "voxel_lobes"}) {
         session().channel = channel;
+        session().voxelBounce = std::string(channel) == "voxel_radiance" ? 1 : -1;
+        session().voxelFace = 2;
         ASSERT_TRUE(settle());
         const fs::path picture = screenshot();
         key(GLFW_KEY_S, GLFW_MOD_CONTROL);
         ASSERT_TRUE(lastMessage().starts_with("wrote ")) << lastMessage();
         expectSamePictures(picture, capture(lastMessage().substr(6)));
     }
+    EXPECT_EQ(session().shownChannel(), "voxel_lobes");
+    session().channel = "voxel_radiance";
+    session().voxelBounce = 1;
+    session().level = 2;
+    EXPECT_EQ(session().shownChannel(), "voxel_radiance:b1:+y:2");
+    key(GLFW_KEY_1, GLFW_MOD_CONTROL);
+    session().channel = "beauty";
+    session().level = session().voxelBounce = session().voxelFace = -1;
+    session().recallView(session().views.back());
+    EXPECT_EQ(session().shownChannel(), "voxel_radiance:b1:+y:2");
 }
 
 TEST_F(ViewerTest, ARecordedPathReplaysToTheSamePicture) {
@@ -503,13 +515,14 @@ TEST_F(ViewerTest, APixelsConesAddUpToItsPicture) {
         key(GLFW_KEY_I);
         ASSERT_TRUE(turnUntil([&] { return session().inspection != nullptr; }));
         const Inspection& asked = *session().inspection;
-        ASSERT_TRUE(asked.cones.hit);
-        ASSERT_EQ(asked.cones.cones.size(), 6u);
+        ASSERT_EQ(asked.lobes.size(), 1u) << "diffuse light alone";
+        const PixelCones& lobe = asked.lobes[0];
+        ASSERT_EQ(lobe.cones.size(), 6u);
         const auto surface = session().surfaceAt(place);
         ASSERT_TRUE(surface.has_value());
-        EXPECT_LT(glm::length(asked.cones.position - *surface), 1e-4 * glm::length(*surface) + 1e-5);
+        EXPECT_LT(glm::length(lobe.position - *surface), 1e-4 * glm::length(*surface) + 1e-5);
         double weights = 0, openness = 0;
-        for (const InspectedCone& cone : asked.cones.cones) {
+        for (const InspectedCone& cone : lobe.cones) {
             weights += cone.weight;
             openness += cone.weight * cone.openness;
             EXPECT_FALSE(cone.truncated);
@@ -525,12 +538,13 @@ TEST_F(ViewerTest, APixelsConesAddUpToItsPicture) {
         }
         EXPECT_NEAR(weights, 1, 1e-5);
         EXPECT_NEAR(openness, static_cast<double>(ao.pixel(asked.pixel.x, asked.pixel.y)[0]), 1e-5);
+        EXPECT_LT(glm::length(lobe.outgoing() - asked.terms.at(2).second), 1e-5f) << "of indirect_diffuse";
         glm::vec3 sum(0), beauty(0);
         for (const auto& [name, value] : asked.terms) (name == "beauty" ? beauty : sum) += value;
         EXPECT_LT(glm::length(sum - beauty), 1e-4f);
         ASSERT_TRUE(turnUntil([&] { return asked.traced("beauty").has_value(); }));
         const json tree = json::parse(asked.json());
-        EXPECT_EQ(tree["cones"].size(), 6u);
+        EXPECT_EQ(tree["lobes"]["diffuse"]["cones"].size(), 6u);
         EXPECT_TRUE(tree["terms"]["direct"].contains("path_traced"));
         // A sun and a constant sky on a plane: both renderers know that.
         const glm::vec3 voxels = asked.terms.at(1).second, traced = *asked.traced("direct");
@@ -538,6 +552,33 @@ TEST_F(ViewerTest, APixelsConesAddUpToItsPicture) {
     }
     for (Panel& panel : viewer().panels()) panel.open = std::string(panel.name) == "Inspector";
     draws(4);
+    session().forgetInspection();
+}
+
+TEST_F(ViewerTest, SpecularConesAreAskedForToo) {
+    Settings settings = session().settings.now();
+    settings.specular.enabled = true;
+    settings.cone.rotate = false;
+    session().settings.change(settings, "test");
+    ASSERT_TRUE(settle());
+    for (Panel& panel : viewer().panels()) panel.open = std::string(panel.name) == "Inspector";
+    moveTo(inPicture(0.5, 0.55));
+    turns(1);
+    key(GLFW_KEY_I);
+    ASSERT_TRUE(turnUntil([&] { return session().inspection != nullptr; }));
+    Inspection& asked = *session().inspection;
+    ASSERT_EQ(asked.lobes.size(), 2u);
+    EXPECT_EQ(asked.lobes[1].lobe, ConeLobe::specular);
+    const glm::vec3 channel = asked.terms.at(3).second;
+    EXPECT_GT(glm::length(channel), 0);
+    EXPECT_LT(glm::length(asked.lobes[1].outgoing() - channel), 1e-5f);
+    const json tree = json::parse(asked.json());
+    EXPECT_EQ(tree["lobes"]["specular"]["cones"].size(), asked.lobes[1].cones.size());
+    EXPECT_EQ(tree["lobes"]["specular"]["channel"], "indirect_specular");
+    asked.lobe = 1;
+    asked.selected = 99;
+    draws(3);
+    EXPECT_EQ(asked.selected, static_cast<int>(asked.lobes[1].cones.size()) - 1);
     session().forgetInspection();
 }
 
@@ -550,6 +591,26 @@ TEST_F(ViewerTest, SlicesHoldAllVoxelsOfALevel) {
     ASSERT_TRUE(turnUntil([&] { return session().slice != nullptr; }));
     draws(3);
     EXPECT_EQ(session().slice->width, 16);
+    // The light of one bounce is less than all of it, in the slice too.
+    const auto light = [&] {
+        double sum = 0;
+        for (const VoxelFacts& voxel : session().slice->voxels)
+            for (const VoxelFace& face : voxel.faces) sum += static_cast<double>(face.coverage * face.radiance.y);
+        return sum;
+    };
+    session().channel = "voxel_radiance";
+    session().sliceAxis = 2;
+    ASSERT_TRUE(settle());
+    draws(3);
+    ASSERT_TRUE(turnUntil([&] { return !session().slicePending(); }));
+    const double all = light();
+    session().voxelBounce = 1;
+    ASSERT_TRUE(settle());
+    draws(3);
+    ASSERT_TRUE(turnUntil([&] { return !session().slicePending() && !session().sliceStale(); }));
+    EXPECT_GT(light(), 0);
+    EXPECT_LT(light(), 0.8 * all);
+    session().sliceAxis = 1;
     session().sliceShown = false;
     std::uint64_t found = 0, wanted = 0;
     bool done = false;

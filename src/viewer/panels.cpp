@@ -929,7 +929,7 @@ std::vector<Panel> makePanels() {
 }
 
 void drawHelp(bool& open) {
-    constexpr std::array<std::array<const char*, 2>, 33> kKeys = {{
+    constexpr auto kKeys = std::to_array<std::array<const char*, 2>>({
         {"left drag", "turn around the target"},
         {"right drag", "look about"},
         {"middle drag, Shift + left drag", "move sidewise"},
@@ -965,7 +965,7 @@ void drawHelp(bool& open) {
         {"F1", "this help"},
         {"drop a file", "glTF, capture script, panorama"},
         {"Ctrl + Q", "end"},
-    }};
+    });
     ImGui::SetNextWindowPos(ImVec2(0.5f * ImGui::GetIO().DisplaySize.x, 0.5f * ImGui::GetIO().DisplaySize.y),
                             ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
     if (ImGui::Begin("Keys and mouse", &open, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings)) {

@@ -54,8 +54,6 @@ void mapKeys(ImGuiIO& io) {
     for (const auto& [to, from] : keys) io.KeyMap[to] = from;
 }
 
-}
-
 /// The newest change of any file below `folder`.
 fs::file_time_type newestBelow(const fs::path& folder) {
     fs::file_time_type newest = fs::file_time_type::min();

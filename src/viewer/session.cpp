@@ -156,7 +156,7 @@ void Session::takeScene() {
     frozenEye.reset();
     forgetInspection();
     releaseHeld();
-    flicker.clear();
+    clearChanges();
     slice.reset();
     cutAxis = -1;
     flashes.clear();
@@ -478,8 +478,13 @@ void Session::watchPicture() {
 
 void Session::watch(Watched what) {
     if (what == flicker.watched) return;
-    flicker.clear();
+    clearChanges();
     flicker.watched = what;
+}
+
+void Session::clearChanges() {
+    flicker.clear();
+    watched_.reset();
 }
 
 void Session::askSlice() {

@@ -33,12 +33,12 @@ struct View {
     Camera camera;
     double time = 0;
     std::string channel = "beauty";  ///< as in capture/script.h
+    Watched watched = Watched::none;
     Settings settings;               ///< output.width and height are those of the finished picture
     std::optional<glm::dvec3> clipmapEye;
     std::vector<Light> lights;  ///< in the place of the scene's, when they are as many
     VoxelViewOptions voxels;    ///< of voxel views
     double triangles = 0;       ///< share of `beauty` that is mixed into a voxel view, 0 to 1
-    Watched watched = Watched::none;
 };
 
 /// Whether the channel needs voxels and G-buffer alone, without light on the visible surfaces.

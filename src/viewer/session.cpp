@@ -26,6 +26,16 @@ bool sameCamera(const Camera& a, const Camera& b) {
            a.near == b.near && a.far == b.far;
 }
 
+}  // namespace
+
+bool sameView(const View& a, const View& b) {
+    return a.scene == b.scene && sameCamera(a.camera, b.camera) && a.time == b.time && a.channel == b.channel &&
+           a.clipmapEye == b.clipmapEye && a.voxels == b.voxels && a.triangles == b.triangles && a.lights == b.lights &&
+           a.watched == b.watched && sameSettings(a.settings, b.settings);
+}
+
+namespace {
+
 bool isPanorama(const fs::path& file) {
     std::string extension = file.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -48,12 +58,6 @@ void keepLast(std::deque<T>& values, T value, std::size_t most) {
 }
 
 }  // namespace
-
-bool sameView(const View& a, const View& b) {
-    return a.scene == b.scene && sameCamera(a.camera, b.camera) && a.time == b.time && a.channel == b.channel &&
-           a.clipmapEye == b.clipmapEye && a.voxels == b.voxels && a.triangles == b.triangles && a.lights == b.lights &&
-           a.watched == b.watched && sameSettings(a.settings, b.settings);
-}
 
 void CostHistory::add(const Picture& picture) {
     for (auto& [name, values] : passes) keepLast(values, 0.0f, kFrames);

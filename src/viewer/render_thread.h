@@ -32,9 +32,9 @@ struct View {
     std::uint64_t scene = 0;  ///< RenderThread::sceneSerial() that it was made for; views of other scenes are ignored
     Camera camera;
     double time = 0;
-    std::string channel = "beauty";  ///< as in capture/script.h
-    Watched watched = Watched::none;
-    Settings settings;               ///< output.width and height are those of the finished picture
+    std::string channel = "beauty";   ///< as in capture/script.h
+    Watched watched = Watched::none;  ///< asks for Picture::watched
+    Settings settings;                ///< output.width and height are those of the finished picture
     std::optional<glm::dvec3> clipmapEye;
     std::vector<Light> lights;  ///< in the place of the scene's, when they are as many
     VoxelViewOptions voxels;    ///< of voxel views

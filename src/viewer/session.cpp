@@ -410,6 +410,7 @@ void Session::compare() {
             measurement.follow(measuring_,
                                {reference, test, of.view.channel, referenceSettings, of.view.settings, errorMap});
     };
+    if (!held && !other) return;
     const std::shared_ptr<const Picture> second = other ? other->picture() : nullptr;
     const std::shared_ptr<const Image> a = presentImage(picture), b = otherImage(second);
     if (held && a) follow(presentToHeld, held->image, picture->view.settings, a, *picture);

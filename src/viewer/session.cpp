@@ -445,6 +445,7 @@ void Session::endOther(bool keep) {
     if (keep) settings.change(settingsB(), "settings B");
     otherEnds_ = std::move(*other).end();
     other.reset();
+    otherImage = {};
     otherToHeld.forget();
     otherToPresent.forget();
 }

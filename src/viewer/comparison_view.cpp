@@ -136,12 +136,13 @@ void ComparisonView::drawLegend(const Layer& layer, const std::string& title, co
     }
     const Image colors = colorsOf(ramp, layer.scale, layer.isSigned);
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    const float line = ImGui::GetTextLineHeight(), width = 160 * uiScale, margin = 6 * uiScale;
+    std::string head = title;
+    if (value) head += std::isnan(*value) ? ": not seen before" : fmt::format(": {:.4g}", *value);
+    const float line = ImGui::GetTextLineHeight(), margin = 6 * uiScale;
+    const float width = std::max(160 * uiScale, ImGui::CalcTextSize((title + ": -0.000123456").c_str()).x);
     const ImVec2 corner(vec(rect.low).x + margin, vec(rect.low + rect.size).y - 3 * line - 2 * margin);
     list.AddRectFilled(corner, ImVec2(corner.x + width + 2 * margin, corner.y + 3 * line + margin), 0xc0000000);
     const ImVec2 low(corner.x + margin, corner.y + 0.5f * margin);
-    std::string head = title;
-    if (value) head += std::isnan(*value) ? ": not seen before" : fmt::format(": {:.4g}", *value);
     list.AddText(low, 0xffffffff, head.c_str());
     for (int i = 0; i < kSteps; ++i) {
         const float from = low.x + width * static_cast<float>(i) / kSteps,

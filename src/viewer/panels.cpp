@@ -774,7 +774,7 @@ void drawFlickerControls(Session& session) {
                         ImGuiSliderFlags_Logarithmic);
     ImGui::Checkbox("hold the largest", &session.flicker.hold);
     ImGui::SameLine();
-    if (ImGui::Button("clear")) session.flicker.clear();
+    if (ImGui::Button("clear")) session.clearChanges();
     const auto& latest = session.flicker.latest();
     if (!latest || !latest->known) return dim("the next picture is compared with this one");
     if (latest->figures.valid > 0 && latest->figures.mean > 0)

@@ -565,8 +565,7 @@ void RenderThread::publish(const View& view, std::uint64_t serial, bool finished
     if (latest_ == serial && finished) picture->image = renderer_->channel(view.channel);
     if (latest_ == serial) picture->position = renderer_->channel("position");
     picture->milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-    if (view.watched != Watched::none)
-        picture->watched = watchedFrame(*renderer_, view.watched, view.camera, serial);
+    if (view.watched != Watched::none) picture->watched = watchedFrame(*renderer_, view.watched, view.camera, serial);
     {
         const std::scoped_lock lock(mutex_);
         picture_ = std::move(picture);

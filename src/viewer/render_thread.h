@@ -34,15 +34,15 @@ struct View {
     std::uint64_t scene = 0;  ///< RenderThread::sceneSerial() that it was made for; views of other scenes are ignored
     Camera camera;
     double time = 0;
-    std::string channel = "beauty";  ///< as in capture/script.h
-    Settings settings;               ///< output.width and height are those of the finished picture
+    std::string channel = "beauty";   ///< as in capture/script.h
+    Watched watched = Watched::none;  ///< asks for Picture::watched
+    Settings settings;                ///< output.width and height are those of the finished picture
     std::optional<glm::dvec3> clipmapEye;
     std::vector<Light> lights;        ///< in the place of the scene's, when they are as many
     std::map<int, Placement> placed;  ///< nodes of the scene that stand elsewhere than the file has them
     bool placing = false;             ///< and they are being dragged: the picture is not yet that of a capture
     VoxelViewOptions voxels;          ///< of voxel views
     double triangles = 0;             ///< share of `beauty` that is mixed into a voxel view, 0 to 1
-    Watched watched = Watched::none;
 };
 
 /// Whether the channel needs voxels and G-buffer alone, without light on the visible surfaces.

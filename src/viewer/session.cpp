@@ -26,6 +26,17 @@ bool sameCamera(const Camera& a, const Camera& b) {
            a.near == b.near && a.far == b.far;
 }
 
+}  // namespace
+
+bool sameView(const View& a, const View& b) {
+    return a.scene == b.scene && sameCamera(a.camera, b.camera) && a.time == b.time && a.channel == b.channel &&
+           a.clipmapEye == b.clipmapEye && a.voxels == b.voxels && a.triangles == b.triangles && a.lights == b.lights &&
+           a.placed == b.placed && a.placing == b.placing && a.watched == b.watched &&
+           sameSettings(a.settings, b.settings);
+}
+
+namespace {
+
 bool isPanorama(const fs::path& file) {
     std::string extension = file.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -48,13 +59,6 @@ void keepLast(std::deque<T>& values, T value, std::size_t most) {
 }
 
 }  // namespace
-
-bool sameView(const View& a, const View& b) {
-    return a.scene == b.scene && sameCamera(a.camera, b.camera) && a.time == b.time && a.channel == b.channel &&
-           a.clipmapEye == b.clipmapEye && a.voxels == b.voxels && a.triangles == b.triangles && a.lights == b.lights &&
-           a.placed == b.placed && a.placing == b.placing && a.watched == b.watched &&
-           sameSettings(a.settings, b.settings);
-}
 
 void CostHistory::add(const Picture& picture) {
     for (auto& [name, values] : passes) keepLast(values, 0.0f, kFrames);
@@ -162,7 +166,7 @@ void Session::takeScene() {
     frozenEye.reset();
     forgetInspection();
     releaseHeld();
-    flicker.clear();
+    clearChanges();
     slice.reset();
     cutAxis = -1;
     flashes.clear();
@@ -419,6 +423,7 @@ void Session::compare() {
             measurement.follow(measuring_,
                                {reference, test, of.view.channel, referenceSettings, of.view.settings, errorMap});
     };
+    if (!held && !other) return;
     const std::shared_ptr<const Picture> second = other ? other->picture() : nullptr;
     const std::shared_ptr<const Image> a = presentImage(picture), b = otherImage(second);
     if (held && a) follow(presentToHeld, held->image, picture->view.settings, a, *picture);
@@ -453,6 +458,7 @@ void Session::endOther(bool keep) {
     if (keep) settings.change(settingsB(), "settings B");
     otherEnds_ = std::move(*other).end();
     other.reset();
+    otherImage = {};
     otherToHeld.forget();
     otherToPresent.forget();
 }
@@ -491,8 +497,13 @@ void Session::watchPicture() {
 
 void Session::watch(Watched what) {
     if (what == flicker.watched) return;
-    flicker.clear();
+    clearChanges();
     flicker.watched = what;
+}
+
+void Session::clearChanges() {
+    flicker.clear();
+    watched_.reset();
 }
 
 void Session::askSlice() {

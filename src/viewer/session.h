@@ -207,6 +207,8 @@ struct Session {
     void reloadShaders();
     /// Watches for changes from picture to picture, or ends it.
     void watch(Watched what);
+    /// Forgets the changes so far; the next picture is compared with the present one.
+    void clearChanges();
 
     /// Asks for the slice that the controls say.
     void askSlice();

@@ -652,7 +652,7 @@ TEST_F(ViewerTest, ObjectsAreDraggedInThePicture) {
     const int cube = node("cube"), sphere = node("sphere");
     const auto middle = [&] {
         return *Projection(session().camera.camera(), viewer().pictureRect())
-                    .point(session().nodeBounds(session().selectedNode).center());
+                    .point(session().nodeCenter(session().selectedNode));
     };
     const auto pick = [&](const glm::dvec3& at) {
         moveTo(*Projection(session().camera.camera(), viewer().pictureRect()).point(at));
@@ -661,9 +661,9 @@ TEST_F(ViewerTest, ObjectsAreDraggedInThePicture) {
         press(GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE, GLFW_MOD_ALT);
         turns(3);
     };
-    pick(session().nodeBounds(sphere).center());
+    pick(session().nodeCenter(sphere));
     ASSERT_TRUE(turnUntil([&] { return session().selectedNode == sphere; }));
-    pick(session().nodeBounds(cube).center());
+    pick(session().nodeCenter(cube));
     ASSERT_TRUE(turnUntil([&] { return session().selectedNode == cube; }));
     EXPECT_EQ(session().camera.camera().position, camera.position);
 
@@ -687,7 +687,7 @@ TEST_F(ViewerTest, ObjectsAreDraggedInThePicture) {
     EXPECT_NE(session().picture->image.data, before.data);
 
     // Turned by the ring about y, which is seen from above, and stretched along x.
-    const glm::dvec3 center = session().nodeBounds(cube).center();
+    const glm::dvec3 center = session().nodeCenter(cube);
     key(GLFW_KEY_T);
     const Projection projection(session().camera.camera(), viewer().pictureRect());
     const double length = 70 / projection.scaleAt(center);
@@ -695,7 +695,7 @@ TEST_F(ViewerTest, ObjectsAreDraggedInThePicture) {
     drag(GLFW_MOUSE_BUTTON_LEFT, front, front + glm::dvec2(20, -5));
     ASSERT_TRUE(session().placed[cube].rotation.has_value());
     EXPECT_GT(session().placed[cube].rotation->y, 5) << "counter-clockwise, as its front goes to the right";
-    EXPECT_LT(glm::length(session().nodeBounds(cube).center() - center), 1e-9) << "about its middle";
+    EXPECT_LT(glm::length(session().nodeCenter(cube) - center), 1e-9) << "about its middle";
     key(GLFW_KEY_T);
     const glm::dmat4 pose = session().scene().worldMatrices(0)[static_cast<std::size_t>(cube)];
     const glm::dvec2 tip = *projection.point(center + length * glm::normalize(glm::dvec3(pose[0])));

@@ -79,7 +79,7 @@ void Session::turnLight(std::size_t light, const Light& before, const glm::dquat
 // ---- Objects
 
 void Session::poseScene() {
-    scene_ = facts->outline;
+    scene_.nodes = facts->outline.nodes;
     for (const auto& [node, placement] : placed) place(scene_.nodes[static_cast<std::size_t>(node)], placement);
 }
 

@@ -16,6 +16,7 @@
 
 #include "capture/capture.h"
 #include "gl/context.h"
+#include "scene/extract.h"
 
 namespace voxcone {
 namespace {
@@ -164,7 +165,8 @@ class ViewerTest : public testing::Test {
     }
     /// The first shot of a script, rendered without a window.
     static fs::path capture(const fs::path& script) {
-        const CaptureScript read = loadCaptureScript(script);
+        CaptureScript read = loadCaptureScript(script);
+        extractLights(read.scene, read.settings.light);
         const fs::path out = folder() / "capture";
         fs::remove_all(out);
         fs::path stem;
@@ -733,6 +735,43 @@ TEST_F(ViewerTest, ObjectsAreDraggedInThePicture) {
     EXPECT_TRUE(session().placed.contains(cube));
     key(GLFW_KEY_ESCAPE);
     EXPECT_EQ(session().selectedNode, -1);
+}
+
+TEST_F(ViewerTest, AMovedEmitterShinesFromWhereItIs) {
+    // A cube that shines; its sides are extracted as lights as long as they are small beside the scene.
+    json scene = json::parse(std::ifstream(VOXCONE_SOURCE_DIR "/assets/scenes/basic.gltf"));
+    for (json& buffer : scene["buffers"])
+        buffer["uri"] = fs::relative(fs::path(VOXCONE_SOURCE_DIR "/assets/scenes") / buffer["uri"], folder());
+    const int mesh = scene["nodes"][2]["mesh"];
+    const int material = scene["meshes"][mesh]["primitives"][0]["material"];
+    scene["materials"][material]["emissiveFactor"] = {1, 0.8, 0.5};
+    std::ofstream(folder() / "shining.gltf") << scene.dump();
+    json script = basicScript();
+    script["scene"] = "shining.gltf";
+    script["environment"]["color"] = {0, 0, 0};
+    script.erase("lights");
+    std::ofstream(folder() / "shining.json") << script.dump();
+    const std::uint64_t serial = session().sceneSerial;
+    drop(folder() / "shining.json");
+    ASSERT_TRUE(turnUntil([&] { return session().sceneSerial > serial && session().settled(); }));
+    const std::size_t extracted = session().lights.size();
+    ASSERT_GT(extracted, 0u);
+    // Higher than the scene was before, and then so large that voxels keep its light.
+    for (const double scale : {1.0, 2.5}) {
+        session().placeNode(2, {glm::dvec3(0.4, 1.9, 0.1), {}, glm::dvec3(scale)});
+        ASSERT_TRUE(settle());
+        // What was extracted anew is shown with the view that follows.
+        ASSERT_TRUE(settle());
+        EXPECT_EQ(session().lights.size(), scale == 1 ? extracted : 0u);
+        const fs::path picture = screenshot();
+        key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+        expectSamePictures(picture, capture(lastMessage().substr(6)));
+    }
+    key(GLFW_KEY_Z, GLFW_MOD_CONTROL);
+    ASSERT_TRUE(settle());
+    ASSERT_TRUE(settle());
+    EXPECT_EQ(session().lights.size(), extracted);
+    EXPECT_EQ(*session().placed.at(2).scale, glm::dvec3(1));
 }
 
 TEST_F(ViewerTest, LightsOfTheSceneAreDraggedTurnedAndWritten) {

@@ -18,7 +18,7 @@ glm::dvec3 degreesOf(const glm::dquat& rotation) {
     const bool locked = std::abs(sine) > 1 - 1e-12;
     const double x = locked ? std::atan2(-m[2][1], m[1][1]) : std::atan2(m[1][2], m[2][2]);
     const double z = locked ? 0 : std::atan2(m[0][1], m[0][0]);
-    return glm::degrees(glm::dvec3(x, y, z));
+    return glm::degrees(glm::dvec3(x, y, z)) + 0.0;  // no −0
 }
 
 bool decompose(Node& node) {

@@ -71,8 +71,7 @@ std::vector<Gizmo::Target> Gizmo::targets(const Session& session, const Projecti
         Target target{-1, session.selectedNode, session.gizmoMode, {}, world, 0};
         const glm::dmat4 matrix =
             session.scene().worldMatrices(session.time)[static_cast<std::size_t>(session.selectedNode)];
-        const Bounds box = session.nodeBounds(session.selectedNode);
-        target.center = box.empty() ? glm::dvec3(matrix[3]) : box.center();
+        target.center = session.nodeCenter(session.selectedNode);
         if (target.mode == GizmoMode::scale) {
             for (int k = 0; k < 3; ++k)
                 if (glm::length(glm::dvec3(matrix[k])) > 0)
@@ -107,9 +106,12 @@ void Gizmo::draw(const Session& session, const Projection& projection, float uiS
         list.AddText(vec(*place + glm::dvec2(10 * uiScale, -6 * uiScale)), 0xffffffff, session.lights[i].name.c_str());
     }
     if (session.selectedNode >= 0) {
-        const Bounds box = session.nodeBounds(session.selectedNode);
+        const Bounds box = session.nodeBox(session.selectedNode);
+        const glm::dmat4 matrix =
+            session.scene().worldMatrices(session.time)[static_cast<std::size_t>(session.selectedNode)];
+        const auto corner = [&](int k) { return glm::dvec3(matrix * glm::dvec4(boxCorner(box, k), 1)); };
         if (!box.empty())
-            for (const auto& [a, b] : kBoxEdges) line(boxCorner(box, a), boxCorner(box, b), 0xa060e0ff, 1);
+            for (const auto& [a, b] : kBoxEdges) line(corner(a), corner(b), 0xa060e0ff, 1);
     }
     for (const Target& target : targets(session, projection, uiScale)) {
         const auto middle = projection.point(target.center);

@@ -147,6 +147,7 @@ void Session::takeScene() {
     facts = next;
     const std::vector<Light> before = std::move(lights);
     lights = facts->outline.lights;
+    scene_ = facts->outline;
     if (serial == sceneSerial) {
         // What was moved stays where it is when only extraction or the environment has changed.
         takeLights(before);

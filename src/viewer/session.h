@@ -243,8 +243,10 @@ struct Session {
     void placeNode(int node, const Placement& placement);
     /// Puts it back where the file has it.
     void putBack(int node);
-    /// World box of what hangs on a node; empty for a node without meshes.
-    Bounds nodeBounds(int node) const;
+    /// Box of what hangs on a node, in the node's own space; empty for a node without meshes.
+    Bounds nodeBox(int node) const;
+    /// Middle of that box, or the node's origin, in the world.
+    glm::dvec3 nodeCenter(int node) const;
     /// Selects the object at a place of the picture (0 to 1), or nothing.
     void pick(const glm::dvec2& place);
 

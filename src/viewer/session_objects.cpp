@@ -79,7 +79,7 @@ void Session::turnLight(std::size_t light, const Light& before, const glm::dquat
 // ---- Objects
 
 void Session::poseScene() {
-    scene_ = facts->outline;
+    scene_.nodes = facts->outline.nodes;
     for (const auto& [node, placement] : placed) place(scene_.nodes[static_cast<std::size_t>(node)], placement);
 }
 
@@ -111,9 +111,12 @@ void Session::putBack(int node) {
     poseScene();
 }
 
-Bounds Session::nodeBounds(int node) const {
-    std::vector<char> below(scene_.nodes.size(), 0);
+Bounds Session::nodeBox(int node) const {
     const std::vector<glm::dmat4> world = scene_.worldMatrices(time);
+    const glm::dmat4& own = world[static_cast<std::size_t>(node)];
+    if (!invertible(own)) return {};
+    const glm::dmat4 toNode = glm::inverse(own);
+    std::vector<char> below(scene_.nodes.size(), 0);
     for (std::size_t i = 0; i < below.size(); ++i) {
         const int parent = scene_.nodes[i].parent;
         below[i] = static_cast<int>(i) == node || (parent >= 0 && below[static_cast<std::size_t>(parent)] != 0);
@@ -121,18 +124,25 @@ Bounds Session::nodeBounds(int node) const {
     Bounds all;
     for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
         const Instance& instance = scene_.instances[i];
-        // A skin's vertices are where its joints are; the box of one as it is bound says roughly where.
-        const int carrier =
-            instance.skin >= 0 ? scene_.skins[static_cast<std::size_t>(instance.skin)].joints.front() : instance.node;
-        const auto c = static_cast<std::size_t>(carrier);
-        if (below[c] == 0) continue;
-        glm::dmat4 matrix = world[c];
-        if (instance.skin >= 0)
-            matrix = matrix * scene_.skins[static_cast<std::size_t>(instance.skin)].inverseBindMatrices.front();
-        const Bounds box = transformed(facts->boxes[i], matrix);
+        auto carrier = static_cast<std::size_t>(instance.node);
+        glm::dmat4 bind(1);
+        if (instance.skin >= 0) {
+            // As it is bound to its first joint, which says roughly where it is.
+            const Skin& skin = scene_.skins[static_cast<std::size_t>(instance.skin)];
+            carrier = static_cast<std::size_t>(skin.joints.front());
+            bind = skin.inverseBindMatrices.front();
+        }
+        if (below[carrier] == 0) continue;
+        const bool itself = static_cast<int>(carrier) == node;
+        const Bounds box = transformed(facts->boxes[i], itself ? bind : toNode * world[carrier] * bind);
         if (!box.empty()) all.add(box.min), all.add(box.max);
     }
     return all;
+}
+
+glm::dvec3 Session::nodeCenter(int node) const {
+    return glm::dvec3(scene_.worldMatrices(time)[static_cast<std::size_t>(node)] *
+                      glm::dvec4(nodeBox(node).center(), 1));
 }
 
 void Session::pick(const glm::dvec2& at) {

@@ -1,7 +1,9 @@
-// Undo and redo of settings.
+// Undo and redo of settings and of what was moved.
 #include "viewer/settings_history.h"
 
 #include <gtest/gtest.h>
+
+#include "viewer/edit_history.h"
 
 namespace voxcone {
 namespace {
@@ -50,6 +52,48 @@ TEST(SettingsHistory, WhatChangesNothingIsNoStep) {
     history.replace(wide);
     EXPECT_FALSE(history.canUndo());
     EXPECT_EQ(history.now().output.width, 333);
+}
+
+TEST(EditHistory, MovesAndSettingsAreTakenBackInTheirOrder) {
+    SettingsHistory settings;
+    EditHistory edits;
+    Edits scene;
+    scene.lights.resize(1);
+    edits.begin(scene);
+    edits.commit(scene, settings.steps());
+    EXPECT_FALSE(edits.canUndo(settings.steps())) << "nothing has changed";
+
+    const auto move = [&](double x) {
+        scene.placed[3].translation = glm::dvec3(x, 0, 0);
+        edits.commit(scene, settings.steps());
+    };
+    Settings changed = settings.now();
+    move(1);
+    changed.cone.gain = 2;
+    settings.change(changed, "cone.gain");
+    move(2);
+    // Back: the second move, the setting, the first move.
+    ASSERT_TRUE(edits.canUndo(settings.steps()));
+    edits.undo();
+    EXPECT_EQ(edits.now().placed.at(3).translation->x, 1);
+    EXPECT_FALSE(edits.canUndo(settings.steps()));
+    settings.undo();
+    ASSERT_TRUE(edits.canUndo(settings.steps()));
+    edits.undo();
+    EXPECT_TRUE(edits.now().placed.empty());
+    EXPECT_FALSE(edits.canUndo(settings.steps()));
+    // And forth.
+    ASSERT_TRUE(edits.canRedo(settings.steps()));
+    edits.redo();
+    EXPECT_FALSE(edits.canRedo(settings.steps()));
+    settings.redo();
+    ASSERT_TRUE(edits.canRedo(settings.steps()));
+    edits.redo();
+    EXPECT_EQ(edits.now(), scene);
+    // A new move ends what could come again.
+    edits.undo();
+    move(5);
+    EXPECT_FALSE(edits.canRedo(settings.steps()));
 }
 
 TEST(SettingsHistory, EveryFieldIsComparedAndCopied) {

@@ -718,7 +718,7 @@ TEST_F(ViewerTest, ObjectsAreDraggedInThePicture) {
     const int cube = node("cube"), sphere = node("sphere");
     const auto middle = [&] {
         return *Projection(session().camera.camera(), viewer().pictureRect())
-                    .point(session().nodeBounds(session().selectedNode).center());
+                    .point(session().nodeCenter(session().selectedNode));
     };
     const auto pick = [&](const glm::dvec3& at) {
         moveTo(*Projection(session().camera.camera(), viewer().pictureRect()).point(at));
@@ -727,9 +727,9 @@ TEST_F(ViewerTest, ObjectsAreDraggedInThePicture) {
         press(GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE, GLFW_MOD_ALT);
         turns(3);
     };
-    pick(session().nodeBounds(sphere).center());
+    pick(session().nodeCenter(sphere));
     ASSERT_TRUE(turnUntil([&] { return session().selectedNode == sphere; }));
-    pick(session().nodeBounds(cube).center());
+    pick(session().nodeCenter(cube));
     ASSERT_TRUE(turnUntil([&] { return session().selectedNode == cube; }));
     EXPECT_EQ(session().camera.camera().position, camera.position);
 
@@ -753,7 +753,7 @@ TEST_F(ViewerTest, ObjectsAreDraggedInThePicture) {
     EXPECT_NE(session().picture->image.data, before.data);
 
     // Turned by the ring about y, which is seen from above, and stretched along x.
-    const glm::dvec3 center = session().nodeBounds(cube).center();
+    const glm::dvec3 center = session().nodeCenter(cube);
     key(GLFW_KEY_T);
     const Projection projection(session().camera.camera(), viewer().pictureRect());
     const double length = 70 / projection.scaleAt(center);
@@ -761,7 +761,7 @@ TEST_F(ViewerTest, ObjectsAreDraggedInThePicture) {
     drag(GLFW_MOUSE_BUTTON_LEFT, front, front + glm::dvec2(20, -5));
     ASSERT_TRUE(session().placed[cube].rotation.has_value());
     EXPECT_GT(session().placed[cube].rotation->y, 5) << "counter-clockwise, as its front goes to the right";
-    EXPECT_LT(glm::length(session().nodeBounds(cube).center() - center), 1e-9) << "about its middle";
+    EXPECT_LT(glm::length(session().nodeCenter(cube) - center), 1e-9) << "about its middle";
     key(GLFW_KEY_T);
     const glm::dmat4 pose = session().scene().worldMatrices(0)[static_cast<std::size_t>(cube)];
     const glm::dvec2 tip = *projection.point(center + length * glm::normalize(glm::dvec3(pose[0])));
@@ -799,6 +799,43 @@ TEST_F(ViewerTest, ObjectsAreDraggedInThePicture) {
     EXPECT_TRUE(session().placed.contains(cube));
     key(GLFW_KEY_ESCAPE);
     EXPECT_EQ(session().selectedNode, -1);
+}
+
+TEST_F(ViewerTest, AMovedEmitterShinesFromWhereItIs) {
+    // A cube that shines; its sides are extracted as lights as long as they are small beside the scene.
+    json scene = json::parse(std::ifstream(VOXCONE_SOURCE_DIR "/assets/scenes/basic.gltf"));
+    for (json& buffer : scene["buffers"])
+        buffer["uri"] = fs::relative(fs::path(VOXCONE_SOURCE_DIR "/assets/scenes") / buffer["uri"], folder());
+    const int mesh = scene["nodes"][2]["mesh"];
+    const int material = scene["meshes"][mesh]["primitives"][0]["material"];
+    scene["materials"][material]["emissiveFactor"] = {1, 0.8, 0.5};
+    std::ofstream(folder() / "shining.gltf") << scene.dump();
+    json script = basicScript();
+    script["scene"] = "shining.gltf";
+    script["environment"]["color"] = {0, 0, 0};
+    script.erase("lights");
+    std::ofstream(folder() / "shining.json") << script.dump();
+    const std::uint64_t serial = session().sceneSerial;
+    drop(folder() / "shining.json");
+    ASSERT_TRUE(turnUntil([&] { return session().sceneSerial > serial && session().settled(); }));
+    const std::size_t extracted = session().lights.size();
+    ASSERT_GT(extracted, 0u);
+    // Higher than the scene was before, and then so large that voxels keep its light.
+    for (const double scale : {1.0, 2.5}) {
+        session().placeNode(2, {glm::dvec3(0.4, 1.9, 0.1), {}, glm::dvec3(scale)});
+        ASSERT_TRUE(settle());
+        // What was extracted anew is shown with the view that follows.
+        ASSERT_TRUE(settle());
+        EXPECT_EQ(session().lights.size(), scale == 1 ? extracted : 0u);
+        const fs::path picture = screenshot();
+        key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+        expectSamePictures(picture, capture(lastMessage().substr(6)));
+    }
+    key(GLFW_KEY_Z, GLFW_MOD_CONTROL);
+    ASSERT_TRUE(settle());
+    ASSERT_TRUE(settle());
+    EXPECT_EQ(session().lights.size(), extracted);
+    EXPECT_EQ(*session().placed.at(2).scale, glm::dvec3(1));
 }
 
 TEST_F(ViewerTest, LightsOfTheSceneAreDraggedTurnedAndWritten) {

@@ -627,13 +627,12 @@ void drawInspectorPanel(Session& session) {
     }
     const PixelCones& lobe = *asked.shown();
     const glm::vec3 sum = lobe.radiance(), out = lobe.outgoing();
-    dim(fmt::format("its {} cones gather {:.4f} {:.4f} {:.4f}; times {:.4f} {:.4f} {:.4f}, which the surface sends to "
-                    "the eye, {:.4f} {:.4f} {:.4f} in {}{}",
-                    nameOf(lobe.lobe), sum.x, sum.y, sum.z, lobe.share.x, lobe.share.y, lobe.share.z, out.x, out.y,
-                    out.z, channelOf(lobe.lobe),
-                    lobe.lobe == ConeLobe::diffuse || lobe.lobe == ConeLobe::specular
-                        ? ", before neighbours are averaged"
-                        : ""));
+    dim(fmt::format(
+        "its {} cones gather {:.4f} {:.4f} {:.4f}; times {:.4f} {:.4f} {:.4f}, which the surface sends to "
+        "the eye, {:.4f} {:.4f} {:.4f} in {}{}",
+        nameOf(lobe.lobe), sum.x, sum.y, sum.z, lobe.share.x, lobe.share.y, lobe.share.z, out.x, out.y, out.z,
+        channelOf(lobe.lobe),
+        lobe.lobe == ConeLobe::diffuse || lobe.lobe == ConeLobe::specular ? ", before neighbours are averaged" : ""));
     const int last = static_cast<int>(lobe.cones.size()) - 1;
     asked.selected = std::clamp(asked.selected, 0, last);
     ImGui::SliderInt("cone", &asked.selected, 0, last);
@@ -642,9 +641,10 @@ void drawInspectorPanel(Session& session) {
     const InspectedCone& cone = lobe.cones[static_cast<std::size_t>(asked.selected)];
     const glm::vec3 total = cone.total();
     dim(fmt::format(
-        "weight {:.4f}, half-angle {:.1f} deg; voxels {:.4f} {:.4f} {:.4f} + {:.4f} x sky {:.4f} {:.4f} {:.4f} = {:.4f} {:.4f} {:.4f}",
-        cone.weight, glm::degrees(std::atan(cone.tanHalfAngle)), cone.radiance.x, cone.radiance.y, cone.radiance.z, cone.transmittance, cone.sky.x, cone.sky.y,
-        cone.sky.z, total.x, total.y, total.z));
+        "weight {:.4f}, half-angle {:.1f} deg; voxels {:.4f} {:.4f} {:.4f} + {:.4f} x sky {:.4f} {:.4f} {:.4f} = "
+        "{:.4f} {:.4f} {:.4f}",
+        cone.weight, glm::degrees(std::atan(cone.tanHalfAngle)), cone.radiance.x, cone.radiance.y, cone.radiance.z,
+        cone.transmittance, cone.sky.x, cone.sky.y, cone.sky.z, total.x, total.y, total.z));
     plotCone(cone);
 }
 

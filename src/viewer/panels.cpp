@@ -492,18 +492,18 @@ void drawSlice(Session& session) {
 
 void drawVoxelPanel(Session& session) {
     if (ImGui::RadioButton("off", !session.channel.starts_with("voxel_"))) session.channel = "beauty";
-    for (const char* name : VoxelChannel::kNames) {
-        ImGui::SameLine();
+    for (std::size_t i = 0; i < VoxelChannel::kNames.size(); ++i) {
+        const char* name = VoxelChannel::kNames[i];
+        if (i != 2) ImGui::SameLine();  // two rows
         if (ImGui::RadioButton(name + 6, session.channel == name)) session.channel = name;
     }
     const VoxelChannel channel = session.voxelChannel();
-    if (channel.hasFaces()) {
-        ImGui::RadioButton("to the eye", &session.voxelFace, -1);
-        for (int face = 0; face < 6; ++face) {
-            ImGui::SameLine();
-            ImGui::RadioButton(VoxelChannel::kFaces[static_cast<std::size_t>(face)], &session.voxelFace, face);
-        }
-    }
+    if (channel.hasFaces())
+        ImGui::SliderInt("face", &session.voxelFace, -1, 5,
+                         session.voxelFace < 0
+                             ? "that to the eye"
+                             : VoxelChannel::kFaces[static_cast<std::size_t>(std::min(session.voxelFace, 5))]);
+    session.voxelFace = std::clamp(session.voxelFace, -1, 5);
     if (channel.showsLight()) {
         ImGui::SliderInt("bounce", &session.voxelBounce, -1, std::max(8, session.settings.now().light.bounces + 1),
                          session.voxelBounce < 0    ? "all light"
@@ -600,20 +600,18 @@ void drawInspectorPanel(Session& session) {
         session.forgetInspection();
         return;
     }
-    if (ImGui::BeginTable("terms", 3, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_RowBg)) {
-        ImGui::TableSetupColumn("W/(m2 sr)", ImGuiTableColumnFlags_WidthFixed, 8.5f * ImGui::GetFontSize());
-        ImGui::TableSetupColumn("voxels");
-        ImGui::TableSetupColumn("path traced");
-        ImGui::TableHeadersRow();
+    dim("by voxels, W/(m2 sr), and below path traced");
+    if (ImGui::BeginTable("terms", 2, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg)) {
         for (const auto& [name, value] : asked.terms) {
             ImGui::TableNextRow();
             ImGui::TableNextColumn();
             text(name);
             ImGui::TableNextColumn();
-            text(fmt::format("{:.3g} {:.3g} {:.3g}", value.x, value.y, value.z));
-            ImGui::TableNextColumn();
+            text(fmt::format("{:.4g}  {:.4g}  {:.4g}", value.x, value.y, value.z));
             const auto traced = asked.traced(name);
-            text(traced ? fmt::format("{:.3g} {:.3g} {:.3g}", traced->x, traced->y, traced->z) : "...");
+            ImGui::PushStyleColor(ImGuiCol_Text, kDim);
+            text(traced ? fmt::format("{:.4g}  {:.4g}  {:.4g}", traced->x, traced->y, traced->z) : "...");
+            ImGui::PopStyleColor();
         }
         ImGui::EndTable();
     }

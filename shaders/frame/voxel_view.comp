@@ -12,7 +12,7 @@ uniform usampler3D u_movingIndex;
 #endif
 uniform int u_what;  // 0 albedo, 1 normal, 2 radiance, 3 opacity, 4 lobes
 uniform int u_face;  // of 0 to 3; -1: that towards the eye
-uniform int u_firstLevel, u_lastLevel;
+uniform int u_firstLevel, u_lastLevel, u_coarsest;  // those that are marched; the last mip
 uniform vec3 u_boxLow[16], u_boxHigh[16];  // of every level, in voxels of level 0
 uniform float u_inverseVoxelSize;          // of level 0
 uniform float u_radianceScale;
@@ -89,7 +89,25 @@ void main() {
         vec3 next = (vec3(voxel) + max(vec3(stepTo), vec3(0.0)) - o) / d, delta = abs(1.0 / d);
         int axis = enter3.x >= enter3.y && enter3.x >= enter3.z ? 0 : (enter3.y >= enter3.z ? 1 : 2);
         float t = enter;
+        // Mips hold the last level: where one of their voxels is empty, all within it are, and the ray leaps over them.
+        int leap = level < u_levels - 1 ? 0 : min(3, u_coarsest - level);
+        ivec3 known = ivec3(1 << 30);  // voxel of that mip, which is not empty
         for (int i = 0; i < 3 * u_resolution && t < leave && !found; ++i) {
+            if (any(lessThan(vec3(voxel), floor(low))) || any(greaterThanEqual(vec3(voxel), ceil(high)))) break;
+            ivec3 wide = voxel >> leap;
+            if (leap > 0 && wide != known) {
+                known = wide;
+                if (texelFetch(u_index, levelTexel(wide, level + leap), 0).r == 0u) {
+                    ivec3 first = wide << leap, last = first + (1 << leap) - 1;
+                    vec3 beyond = (vec3(first) + max(vec3(stepTo), vec3(0.0)) * float(1 << leap) - o) / d;
+                    axis = beyond.x <= beyond.y && beyond.x <= beyond.z ? 0 : (beyond.y <= beyond.z ? 1 : 2);
+                    t = beyond[axis];
+                    voxel = clamp(ivec3(floor(o + d * t)), first, last);
+                    voxel[axis] = stepTo[axis] > 0 ? last[axis] + 1 : first[axis] - 1;
+                    next = (vec3(voxel) + max(vec3(stepTo), vec3(0.0)) - o) / d;
+                    continue;
+                }
+            }
             ivec3 texel = levelTexel(voxel, level);
             uint mark = texelFetch(u_index, texel, 0).r;
 #if LAYERS == 2
@@ -98,7 +116,8 @@ void main() {
                 (mark == 0u || shareOf(faceSeen(moving, d, axis)) > shareOf(faceSeen(mark, d, axis)))) mark = moving;
 #endif
             vec3 centre = (vec3(voxel) + 0.5) * edge;
-            if (mark != 0u && dot(u_cut.xyz, centre) <= u_cut.w) {
+            // The voxel around the eye would hide all others.
+            if (mark != 0u && t > 0.0 && dot(u_cut.xyz, centre) <= u_cut.w) {
                 value = u_what == 4 ? lobeValue(mark, normalize(o + d * t - vec3(voxel) - 0.5))
                                     : faceValue(faceSeen(mark, d, axis));
                 found = true;
@@ -113,7 +132,6 @@ void main() {
             t = next[axis];
             voxel[axis] += stepTo[axis];
             next[axis] += delta[axis];
-            if (any(lessThan(vec3(voxel), floor(low))) || any(greaterThanEqual(vec3(voxel), ceil(high)))) break;
         }
         done = leave * edge;
     }

@@ -39,8 +39,8 @@ struct Shot {
     double timeOf(int frame) const { return start + frame / fps; }
 };
 
-/// The `up` of a camera that looks along `view` (unit), from the one that a script gives: what of it is perpendicular to
-/// the view, unit. The two must not be parallel.
+/// The `up` of a camera that looks along `view` (unit), from the one that a script gives: what of it is perpendicular
+/// to the view, unit. The two must not be parallel.
 glm::dvec3 uprightOf(const glm::dvec3& up, const glm::dvec3& view);
 
 /// Camera of `shot` at `time` seconds in world space; `up` is unit and perpendicular to the view where a path gives it.

@@ -18,8 +18,8 @@ using BindGBuffer = std::function<void(gl::Program&, int firstUnit)>;
 /// Asked between pieces of long work; true abandons it. Empty: never.
 using Stop = std::function<bool()>;
 
-// What the programs that trace a pixel's cones need, also that which asks what they meet (inspect.h): defines with those of
-// frame/gbuffer.glsl, and uniforms from texture unit `unit` on, kConeUnits of them.
+// What the programs that trace a pixel's cones need, also that which asks what they meet (inspect.h): defines with
+// those of frame/gbuffer.glsl, and uniforms from texture unit `unit` on, kConeUnits of them.
 gl::Defines diffuseDefines(const Settings& settings, const Voxels& voxels, const Sky& sky,
                            const gl::Defines& gbufferDefines);
 void setDiffuseUniforms(gl::Program& program, const Settings& settings, const Sky& sky, const RadianceVolume& volume,

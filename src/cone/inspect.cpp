@@ -39,9 +39,10 @@ ConeInspector::ConeInspector(ConeLobe lobe, const gl::ShaderLibrary& shaders, co
                              const Scene& scene, const Voxels& voxels, const Sky& sky,
                              const gl::Defines& gbufferDefines, const gl::Texture& specularAlbedo)
     : lobe_(lobe), settings_(settings), specularAlbedo_(specularAlbedo) {
-    gl::Defines defines = lobe == ConeLobe::diffuse    ? diffuseDefines(settings, voxels, sky, gbufferDefines)
-                          : lobe == ConeLobe::specular ? specularDefines(settings, voxels, sky, gbufferDefines)
-                                                       : refractionDefines(settings, scene, voxels, sky, gbufferDefines);
+    gl::Defines defines = lobe == ConeLobe::diffuse ? diffuseDefines(settings, voxels, sky, gbufferDefines)
+                          : lobe == ConeLobe::specular
+                              ? specularDefines(settings, voxels, sky, gbufferDefines)
+                              : refractionDefines(settings, scene, voxels, sky, gbufferDefines);
     cones_ = lobe == ConeLobe::beam ? 1 : std::stoi(defines["CONES"]);
     defines["LOBE"] = std::to_string(static_cast<int>(lobe));
     defines["INVOCATIONS"] = std::to_string(cones_);

@@ -20,8 +20,8 @@ struct ConeSample {
 };
 
 struct InspectedCone {
-    glm::dvec3 origin{0};      ///< world space: the surface, or where a beam leaves the body
-    glm::dvec3 direction{0};   ///< unit, world space
+    glm::dvec3 origin{0};     ///< world space: the surface, or where a beam leaves the body
+    glm::dvec3 direction{0};  ///< unit, world space
     double tanHalfAngle = 0;
     double skyTanHalfAngle = 0;  ///< what the sky is seen with
     double weight = 0;           ///< in its lobe, where they add up to 1

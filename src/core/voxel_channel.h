@@ -45,9 +45,11 @@ struct VoxelChannel {
             const std::string part = name.substr(begin, end - begin);
             const auto face = std::find(kFaces.begin(), kFaces.end(), part);
             if (part.starts_with('b') && number(part.substr(1)) >= 0) {
-                if (!out.showsLight()) return "\"" + out.base + "\" has no bounces; voxel_radiance and voxel_lobes have";
+                if (!out.showsLight())
+                    return "\"" + out.base + "\" has no bounces; voxel_radiance and voxel_lobes have";
                 out.bounce = number(part.substr(1));
-                if (out.bounce > kMostBounces) return "\"" + part + "\" is no bounce: b0 to b" + std::to_string(kMostBounces);
+                if (out.bounce > kMostBounces)
+                    return "\"" + part + "\" is no bounce: b0 to b" + std::to_string(kMostBounces);
             } else if (face != kFaces.end()) {
                 if (!out.hasFaces()) return "\"" + out.base + "\" has no faces, it shows all of them";
                 out.face = static_cast<int>(face - kFaces.begin());

@@ -288,8 +288,8 @@ struct Renderer::Impl {
         stats.counts["radiance_clamped"] = field ? field->clamped() : 0;
     }
 
-    /// All light, or that of one bounce alone (VoxelChannel::bounce). The latter is gathered when it is first asked for,
-    /// and given up when voxels or light change, or a frame has passed without its being shown.
+    /// All light, or that of one bounce alone (VoxelChannel::bounce). The latter is gathered when it is first asked
+    /// for, and given up when voxels or light change, or a frame has passed without its being shown.
     const RadianceField& fieldOf(int bounce) {
         if (bounce < 0) return *field;
         bounceShown = true;
@@ -301,7 +301,8 @@ struct Renderer::Impl {
         bounceField.reset();
         bounceField = std::make_unique<RadianceField>(shaders, only, voxels, sky, !scene.lights.empty());
         gl::PassTimers unused(gl::TimerMode::finish);
-        bounceField->update(voxels, sky, {}, [this](gl::Program& program) { shadowMaps.bind(program); }, unused);
+        bounceField->update(
+            voxels, sky, {}, [this](gl::Program& program) { shadowMaps.bind(program); }, unused);
         if (bounce > 0) bounceField->isolateLastBounce(voxels);
         return *bounceField;
     }
@@ -383,7 +384,7 @@ struct Renderer::Impl {
     std::unique_ptr<RadianceField> field;
     std::unique_ptr<RadianceField> bounceField;  ///< of one bounce alone, while it is looked at
     int bounceOfField = 0;
-    bool bounceShown = false;  ///< since the last frame
+    bool bounceShown = false;      ///< since the last frame
     std::uint64_t degenerate = 0;  ///< triangles without area, over all instances
     ClipmapLayout layout;
     std::unique_ptr<ClipmapSchedule> schedule;

@@ -55,6 +55,7 @@ void VoxelView::draw(const VoxelChannel& channel, const CameraView& view, const 
     program_.set("u_face", channel.face);
     program_.set("u_firstLevel", level < 0 ? 0 : level);
     program_.set("u_lastLevel", level < 0 ? layout.levels - 1 : level);
+    program_.set("u_coarsest", layout.count() - 1);
     program_.set("u_boxLow", std::span<const glm::vec3>(low));
     program_.set("u_boxHigh", std::span<const glm::vec3>(high));
     program_.set("u_inverseVoxelSize", static_cast<float>(1 / layout.voxelSize));

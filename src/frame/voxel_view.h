@@ -1,4 +1,4 @@
-// Pictures of the voxels themselves: the first occupied voxel along each pixel's ray.
+// Pictures of the voxels themselves: the first occupied voxel along each pixel's ray, but for that around the eye.
 #pragma once
 
 #include "cone/cone_uniforms.h"

@@ -559,18 +559,18 @@ void drawSlice(Session& session) {
 
 void drawVoxelPanel(Session& session) {
     if (ImGui::RadioButton("off", !session.channel.starts_with("voxel_"))) session.channel = "beauty";
-    for (const char* name : VoxelChannel::kNames) {
-        ImGui::SameLine();
+    for (std::size_t i = 0; i < VoxelChannel::kNames.size(); ++i) {
+        const char* name = VoxelChannel::kNames[i];
+        if (i != 2) ImGui::SameLine();  // two rows
         if (ImGui::RadioButton(name + 6, session.channel == name)) session.channel = name;
     }
     const VoxelChannel channel = session.voxelChannel();
-    if (channel.hasFaces()) {
-        ImGui::RadioButton("to the eye", &session.voxelFace, -1);
-        for (int face = 0; face < 6; ++face) {
-            ImGui::SameLine();
-            ImGui::RadioButton(VoxelChannel::kFaces[static_cast<std::size_t>(face)], &session.voxelFace, face);
-        }
-    }
+    if (channel.hasFaces())
+        ImGui::SliderInt("face", &session.voxelFace, -1, 5,
+                         session.voxelFace < 0
+                             ? "that to the eye"
+                             : VoxelChannel::kFaces[static_cast<std::size_t>(std::min(session.voxelFace, 5))]);
+    session.voxelFace = std::clamp(session.voxelFace, -1, 5);
     if (channel.showsLight()) {
         ImGui::SliderInt("bounce", &session.voxelBounce, -1, std::max(8, session.settings.now().light.bounces + 1),
                          session.voxelBounce < 0    ? "all light"
@@ -667,20 +667,18 @@ void drawInspectorPanel(Session& session) {
         session.forgetInspection();
         return;
     }
-    if (ImGui::BeginTable("terms", 3, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_RowBg)) {
-        ImGui::TableSetupColumn("W/(m2 sr)", ImGuiTableColumnFlags_WidthFixed, 8.5f * ImGui::GetFontSize());
-        ImGui::TableSetupColumn("voxels");
-        ImGui::TableSetupColumn("path traced");
-        ImGui::TableHeadersRow();
+    dim("by voxels, W/(m2 sr), and below path traced");
+    if (ImGui::BeginTable("terms", 2, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg)) {
         for (const auto& [name, value] : asked.terms) {
             ImGui::TableNextRow();
             ImGui::TableNextColumn();
             text(name);
             ImGui::TableNextColumn();
-            text(fmt::format("{:.3g} {:.3g} {:.3g}", value.x, value.y, value.z));
-            ImGui::TableNextColumn();
+            text(fmt::format("{:.4g}  {:.4g}  {:.4g}", value.x, value.y, value.z));
             const auto traced = asked.traced(name);
-            text(traced ? fmt::format("{:.3g} {:.3g} {:.3g}", traced->x, traced->y, traced->z) : "...");
+            ImGui::PushStyleColor(ImGuiCol_Text, kDim);
+            text(traced ? fmt::format("{:.4g}  {:.4g}  {:.4g}", traced->x, traced->y, traced->z) : "...");
+            ImGui::PopStyleColor();
         }
         ImGui::EndTable();
     }
@@ -694,13 +692,12 @@ void drawInspectorPanel(Session& session) {
     }
     const PixelCones& lobe = *asked.shown();
     const glm::vec3 sum = lobe.radiance(), out = lobe.outgoing();
-    dim(fmt::format("its {} cones gather {:.4f} {:.4f} {:.4f}; times {:.4f} {:.4f} {:.4f}, which the surface sends to "
-                    "the eye, {:.4f} {:.4f} {:.4f} in {}{}",
-                    nameOf(lobe.lobe), sum.x, sum.y, sum.z, lobe.share.x, lobe.share.y, lobe.share.z, out.x, out.y,
-                    out.z, channelOf(lobe.lobe),
-                    lobe.lobe == ConeLobe::diffuse || lobe.lobe == ConeLobe::specular
-                        ? ", before neighbours are averaged"
-                        : ""));
+    dim(fmt::format(
+        "its {} cones gather {:.4f} {:.4f} {:.4f}; times {:.4f} {:.4f} {:.4f}, which the surface sends to "
+        "the eye, {:.4f} {:.4f} {:.4f} in {}{}",
+        nameOf(lobe.lobe), sum.x, sum.y, sum.z, lobe.share.x, lobe.share.y, lobe.share.z, out.x, out.y, out.z,
+        channelOf(lobe.lobe),
+        lobe.lobe == ConeLobe::diffuse || lobe.lobe == ConeLobe::specular ? ", before neighbours are averaged" : ""));
     const int last = static_cast<int>(lobe.cones.size()) - 1;
     asked.selected = std::clamp(asked.selected, 0, last);
     ImGui::SliderInt("cone", &asked.selected, 0, last);
@@ -709,9 +706,10 @@ void drawInspectorPanel(Session& session) {
     const InspectedCone& cone = lobe.cones[static_cast<std::size_t>(asked.selected)];
     const glm::vec3 total = cone.total();
     dim(fmt::format(
-        "weight {:.4f}, half-angle {:.1f} deg; voxels {:.4f} {:.4f} {:.4f} + {:.4f} x sky {:.4f} {:.4f} {:.4f} = {:.4f} {:.4f} {:.4f}",
-        cone.weight, glm::degrees(std::atan(cone.tanHalfAngle)), cone.radiance.x, cone.radiance.y, cone.radiance.z, cone.transmittance, cone.sky.x, cone.sky.y,
-        cone.sky.z, total.x, total.y, total.z));
+        "weight {:.4f}, half-angle {:.1f} deg; voxels {:.4f} {:.4f} {:.4f} + {:.4f} x sky {:.4f} {:.4f} {:.4f} = "
+        "{:.4f} {:.4f} {:.4f}",
+        cone.weight, glm::degrees(std::atan(cone.tanHalfAngle)), cone.radiance.x, cone.radiance.y, cone.radiance.z,
+        cone.transmittance, cone.sky.x, cone.sky.y, cone.sky.z, total.x, total.y, total.z));
     plotCone(cone);
 }
 

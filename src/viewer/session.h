@@ -101,7 +101,7 @@ struct Session {
     std::string presetName, settingsFilter;  ///< as typed in the panel
     CameraControl camera;
     std::string channel = "beauty";
-    int level = -1;  ///< of voxel views; −1: the one that cones read
+    int level = -1;                        ///< of voxel views; −1: the one that cones read
     int voxelFace = -1, voxelBounce = -1;  ///< of voxel views that have them: VoxelChannel
     std::vector<Light> lights;
     bool followWindow = false;  ///< the picture has the size of the place it is shown in

@@ -589,10 +589,17 @@ TEST(Placement, DegreesAreThoseOfTheRotation) {
 }
 
 TEST_F(Script, VoxelViewsHaveBouncesFacesAndLevels) {
-    const std::vector<std::string> good = {"cascade",           "seam",              "voxel_albedo",
-                                           "voxel_albedo:0",    "voxel_opacity:15",  "voxel_opacity:+x",
-                                           "voxel_opacity:-z:3", "voxel_radiance:b0", "voxel_radiance:b12:-y:2",
-                                           "voxel_lobes",       "voxel_lobes:b1:4"};
+    const std::vector<std::string> good = {"cascade",
+                                           "seam",
+                                           "voxel_albedo",
+                                           "voxel_albedo:0",
+                                           "voxel_opacity:15",
+                                           "voxel_opacity:+x",
+                                           "voxel_opacity:-z:3",
+                                           "voxel_radiance:b0",
+                                           "voxel_radiance:b12:-y:2",
+                                           "voxel_lobes",
+                                           "voxel_lobes:b1:4"};
     script_["shots"][0]["channels"] = good;
     EXPECT_EQ(load().shots[0].channels, good);
     EXPECT_EQ(baseChannel("voxel_albedo:2"), "voxel_albedo");
@@ -609,7 +616,8 @@ TEST_F(Script, VoxelViewsHaveBouncesFacesAndLevels) {
                     AllOf(StartsWith("script.json: shots[0].channels[0]: "), HasSubstr("is no level: 0 to 15")))
             << level;
     // Each view has one name.
-    for (const char* name : {"voxel_radiance:2:b1", "voxel_radiance:1:2", "voxel_radiance:+x:b1", "voxel_radiance:+x:+y"})
+    for (const char* name :
+         {"voxel_radiance:2:b1", "voxel_radiance:1:2", "voxel_radiance:+x:b1", "voxel_radiance:+x:+y"})
         EXPECT_THAT(with("/shots/0/channels/0", name), HasSubstr("must stand as in \"voxel_radiance:")) << name;
     EXPECT_THAT(with("/shots/0/channels/0", "ao:1"), HasSubstr("\"ao\" has no levels"));
     EXPECT_THAT(with("/shots/0/channels/0", "voxel_albedo:b1"), HasSubstr("\"voxel_albedo\" has no bounces"));

@@ -9,7 +9,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform float u_inverseVoxelSize;
 uniform float u_smoothAlpha;  // lobes up to this width take one cone
-uniform int u_firstRow;  // of this dispatch
+uniform ivec2 u_firstPixel;  // of this dispatch
 layout(rgba32f) uniform writeonly image2D u_gathered;
 
 vec3 gatherCone(Cone cone, vec3 direction, float halfAngle, float skyHalfAngle) {
@@ -22,7 +22,7 @@ vec3 gatherCone(Cone cone, vec3 direction, float halfAngle, float skyHalfAngle) 
 }
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, u_firstRow);
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + u_firstPixel;
     if (any(greaterThanEqual(pixel, imageSize(u_gathered)))) return;
     GBufferSample s = loadGBuffer(pixel);
     vec4 sum = vec4(0.0);

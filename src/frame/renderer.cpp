@@ -201,7 +201,7 @@ struct Renderer::Impl {
             timers.label(level);
         voxelizer->update(gpuScene, part, voxels, timers);
         timers.label(-1);
-        update.all |= part.all;
+        update.all = anew;
         update.fixed.insert(update.fixed.end(), part.fixed.begin(), part.fixed.end());
         update.moving.insert(update.moving.end(), part.moving.begin(), part.moving.end());
         recordsMade += voxels.freshCount;
@@ -425,15 +425,15 @@ struct Renderer::Impl {
     ClipmapLayout layout;
     std::unique_ptr<ClipmapSchedule> schedule;
     Voxels voxels;
-    ClipmapUpdate update;                  ///< what the last frame has voxelized of it
-    std::deque<ClipmapUpdate> parts;       ///< not yet voxelized
-    bool anew = false;                     ///< the update is of everything
-    bool behind = true;                    ///< the camera's place and motion are not yet in `parts`
-    bool relight = true;                   ///< light or shadows have changed, and `field` does not know
-    VoxelCounters voxelized;               ///< sums of the update
+    ClipmapUpdate update;                               ///< what the last frame has voxelized of it
+    std::deque<ClipmapUpdate> parts;                    ///< not yet voxelized
+    bool anew = false;                                  ///< the update is of everything
+    bool behind = true;                                 ///< the camera's place and motion are not yet in `parts`
+    bool relight = true;                                ///< light or shadows have changed, and `field` does not know
+    VoxelCounters voxelized;                            ///< sums of the update
     std::uint64_t recordsMade = 0, trianglesDrawn = 0;  ///< by the last frame
-    std::optional<glm::dvec3> clipmapEye;  ///< instead of the camera
-    int bouncesLeft = 0;                   ///< frames until light has settled, with an update budget
+    std::optional<glm::dvec3> clipmapEye;               ///< instead of the camera
+    int bouncesLeft = 0;                                ///< frames until light has settled, with an update budget
     std::unique_ptr<DiffusePass> diffuse;
     gl::Texture specularAlbedo;
     std::unique_ptr<SpecularPass> specular;

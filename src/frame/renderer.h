@@ -149,8 +149,8 @@ class Renderer {
     std::vector<SeamStep> seam();
 
     /// Places that the cones of the last frame looked at for its pixels: voxels of their near fields and steps beyond
-    /// them, of all cones but those of soft shadows and bounces. Gathered anew by programs that count, which are compiled
-    /// at the first call.
+    /// them, of all cones but those of soft shadows and bounces. Gathered anew by programs that count, which are
+    /// compiled at the first call.
     std::uint64_t coneSamples();
 
     /// The levels of the clipmap, for `voxcone info`.

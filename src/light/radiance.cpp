@@ -109,6 +109,10 @@ void RadianceField::begin(const Voxels& voxels, const Change& change, const Bind
         counterBuffer_ = gl::Buffer(sizeof counters_, &counters_);
     }
     if (idle) change_ = {false, false, true};
+    if (gathers) {
+        made_ = 0;
+        wanted_ = change.forget ? settings_.light.bounces : 1;  // as far as is known
+    }
     if (gathers) change_ = {change_.light || change.light, change_.coarsest || change.coarsest, change.forget};
     {
         const auto pass = timers.pass("light: inject");
@@ -121,7 +125,10 @@ void RadianceField::begin(const Voxels& voxels, const Change& change, const Bind
             const bool toCome = step_ == Step::direct && next_ == 0;
             int done = 0;
             if (!toCome) inject(voxels, true, bindLights, done, static_cast<int>(voxels.freshCount * 6), {});
-            if (gathers && step_ != Step::direct) step_ = Step::measure;
+            if (gathers && step_ != Step::direct) {
+                step_ = Step::measure;
+                next_ = items_ = 0;
+            }
         }
         if (step_ == Step::direct) items_ = static_cast<int>(voxels.slots * 6);
         if (!gathers) measure(voxels, false);
@@ -143,6 +150,7 @@ bool RadianceField::resume(const Voxels& voxels, const Sky& sky, const BindLight
         const auto pass = timers.pass("light: inject");
         if (!inject(voxels, false, bindLights, next_, items_, stop)) return false;
         step_ = Step::measure;
+        if (stop && stop()) return false;
     }
     if (step_ == Step::measure) {
         {
@@ -161,6 +169,7 @@ bool RadianceField::resume(const Voxels& voxels, const Sky& sky, const BindLight
             roundStored_ = true;
         }
         step_ = Step::bounces;
+        if (stop && wanted_ > 0 && stop()) return false;
     }
     if (wanted_ > 0) {
         const auto pass = timers.pass("light: bounce");
@@ -240,8 +249,8 @@ bool RadianceField::decide(const Sky& sky) {
     // no longer fits by far: when all was much brighter before, what was gathered then is of no use either.
     const float most = std::max({std::bit_cast<float>(counters_.brightest), sky.color.x, sky.color.y, sky.color.z});
     const float scale = most > 0 ? std::exp2(std::ceil(std::log2(most)) - 6) : 1;
-    const bool forget = (change_.forget && (change_.light || change_.coarsest)) || scale > 16 * scale_ ||
-                        scale < scale_ / 256;
+    const bool forget =
+        (change_.forget && (change_.light || change_.coarsest)) || scale > 16 * scale_ || scale < scale_ / 256;
     if (forget) scale_ = scale;
     const bool bounces = settings_.light.bounces > 0 && counters_.activeFaces > 0;
     again_ = forget || (!change_.forget && bounces);
@@ -304,6 +313,7 @@ bool RadianceField::bounce(const Voxels& voxels, const Sky& sky, const gl::Stop&
         // The light of whole bounces, for cones of pixels meanwhile, and for the next bounce.
         show(voxels, true, false);
         roundStored_ = true;
+        if (stop()) return false;
     }
     if (!extend) return true;
     bind(state_, kSeriesStorage);

@@ -48,7 +48,7 @@ class RadianceField {
     bool whole() const { return step_ == Step::whole; }
     /// How far resume() has come: whether direct light is whole; bounces made and to be made at most; the share of
     /// direct light or of the present bounce, 0 to 1.
-    bool directWhole() const { return step_ != Step::direct; }
+    bool directWhole() const { return step_ == Step::whole || step_ == Step::bounces; }
     int bouncesMade() const { return made_; }
     int bouncesWanted() const { return wanted_; }
     double share() const { return items_ > 0 ? static_cast<double>(next_) / items_ : 0; }
@@ -105,12 +105,12 @@ class RadianceField {
     float scale_ = 1;
 
     Step step_ = Step::whole;
-    Change change_;               ///< all that step_ has to regard
-    bool again_ = false;          ///< something gathers
-    int next_ = 0, items_ = 0;    ///< faces of the step that are done, and all
-    int made_ = 0, wanted_ = 0;   ///< bounces
-    bool roundStored_ = false;    ///< faces_ holds the last level as the present bounce reads it
-    int directPiece_ = 1 << 12, bouncePiece_ = 1 << 9;  ///< faces at a time: gl::inPieces
+    Change change_;                                     ///< all that step_ has to regard
+    bool again_ = false;                                ///< something gathers
+    int next_ = 0, items_ = 0;                          ///< faces of the step that are done, and all
+    int made_ = 0, wanted_ = 0;                         ///< bounces
+    bool roundStored_ = false;                          ///< faces_ holds the last level as the present bounce reads it
+    int directPiece_ = 1 << 10, bouncePiece_ = 1 << 8;  ///< faces at a time: gl::inPieces
 };
 
 }  // namespace voxcone

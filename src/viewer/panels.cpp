@@ -331,6 +331,16 @@ void drawFiguresPanel(Session& session) {
 
 // ---- Clipmap
 
+/// What a level's voxelization took in the last frames, in milliseconds: the last one that did any, and all.
+void drawLevelCost(const std::deque<float>& milliseconds) {
+    const std::vector<float> flat(milliseconds.begin(), milliseconds.end());
+    const auto last = std::find_if(flat.rbegin(), flat.rend(), [](float ms) { return ms > 0; });
+    const std::string label = last == flat.rend() ? "no update yet" : fmt::format("last update {:.1f} ms", *last);
+    ImGui::PlotHistogram("##milliseconds", flat.data(), static_cast<int>(flat.size()), 0, label.c_str(), 0, FLT_MAX,
+                         ImVec2(-1, 1.6f * ImGui::GetFontSize()));
+    tip("milliseconds that voxelizing this level took in each of the last frames");
+}
+
 void drawClipmapPanel(Session& session) {
     bool frozen = session.frozen();
     if (ImGui::Checkbox("frozen", &frozen)) session.freeze(frozen);
@@ -384,6 +394,7 @@ void drawClipmapPanel(Session& session) {
             ImGui::PlotHistogram("##updates", flat.data(), static_cast<int>(flat.size()), 0, nullptr, 0, FLT_MAX,
                                  ImVec2(-1, 1.6f * ImGui::GetFontSize()));
             tip("voxels of this level that each of the last frames voxelized");
+            drawLevelCost(session.history.levels[i]);
         }
         ImGui::PopID();
     }
@@ -392,9 +403,8 @@ void drawClipmapPanel(Session& session) {
     std::string line = fmt::format("last update: {} triangles drawn, {} records made, {} levels wait",
                                    last.counts.at("voxel_triangles_drawn"), last.counts.at("voxel_records_made"),
                                    last.counts.at("levels_waiting"));
-    for (const FrameStats::Pass& pass : last.passes)
-        if (pass.name.starts_with("voxelize") || pass.name.starts_with("light"))
-            line += fmt::format("; {} {:.1f} ms", pass.name, pass.milliseconds);
+    for (const FrameStats::Pass& pass : p.updatePasses)
+        line += fmt::format("; {} {:.1f} ms", pass.name, pass.milliseconds);
     dim(line);
 }
 

@@ -35,7 +35,8 @@ struct CostHistory {
     std::deque<float> frame;                          ///< milliseconds of the device
     /// By level: voxels that were voxelized anew in each of the frames, but for those that began everything anew.
     std::vector<std::deque<float>> voxels;
-    FrameStats lastUpdate;  ///< of the last frame that voxelized anything
+    std::vector<std::deque<float>> levels;  ///< milliseconds that this took, likewise, of the first frames too
+    FrameStats lastUpdate;                  ///< of the last frame that voxelized anything
     void add(const Picture& picture);
 };
 
@@ -160,8 +161,10 @@ struct Session {
     /// Asks for the slice that the controls say.
     void askSlice();
     bool slicePending() const { return sliceAnswered_ != sliceSerial_; }
-    /// The slice shows voxels as they were for an earlier view.
-    bool sliceStale() const { return picture && picture->finished && slicePicture_ != picture->serial; }
+    /// The slice shows voxels as they were for an earlier view, or before their light was whole.
+    bool sliceStale() const {
+        return picture && picture->finished && (slicePicture_ != picture->serial || !sliceSettled_);
+    }
 
     /// Where a light stands; nothing for a directional one.
     std::optional<glm::dvec3> lightPosition(std::size_t light) const;
@@ -223,6 +226,7 @@ struct Session {
     std::uint64_t sliceAnswered_ = 0;
     std::uint64_t sliceSerial_ = 0;   ///< of the last slice that was asked for
     std::uint64_t slicePicture_ = 0;  ///< serial of the view that it shows
+    bool sliceSettled_ = false;       ///< with whole light
     std::uint64_t shownSerial_ = 0;
     Clock::time_point placeChanged_;
     glm::ivec2 place_{0}, lastPlace_{0};

@@ -764,6 +764,7 @@ void Viewer::drawStatus() {
         line += ", " + activity + (seconds > 1 ? fmt::format(" {:.0f} s", seconds) : "");
     }
     ImGui::TextUnformatted(line.c_str());
+    drawLightProgress();
     if (!session_.messages.empty() && Clock::now() - session_.messageTime < std::chrono::seconds(15)) {
         const Message& last = session_.messages.back();
         ImGui::SameLine();
@@ -773,6 +774,20 @@ void Viewer::drawStatus() {
     }
     ImGui::End();
     ImGui::PopStyleVar(2);
+}
+
+/// A bar for the light that is still to come.
+void Viewer::drawLightProgress() {
+    const LightProgress light = thread_.light();
+    if (light.whole) return;
+    const std::string text = lightText(light);
+    // Of all steps: direct light, and each bounce.
+    const double share =
+        light.levelsLeft > 0 ? 0 : (light.direct ? 1 + light.bounces + light.share : light.share) / (1 + light.of);
+    ImGui::SameLine();
+    ImGui::ProgressBar(static_cast<float>(std::clamp(share, 0.0, 1.0)),
+                       ImVec2(ImGui::CalcTextSize(text.c_str()).x + 4 * ImGui::GetFontSize(), ImGui::GetFontSize()),
+                       text.c_str());
 }
 
 void Viewer::drawOpenDialog() {

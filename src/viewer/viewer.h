@@ -76,6 +76,7 @@ class Viewer {
     void drawMenu();
     void drawSideBar();
     void drawStatus();
+    void drawLightProgress();
     void drawPicture();
     void drawOverlays();
     void drawLevels(const Projection& projection);

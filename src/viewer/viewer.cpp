@@ -154,7 +154,9 @@ void Viewer::post(const Event& event) {
 // ---- Events
 
 bool Viewer::turn(double seconds) {
-    const bool busy = !events_.empty() || redraw_ > 0 || !down_.empty() || session_.animated() || woken_;
+    // A minimised window keeps what is to be drawn for later.
+    const bool draws = redraw_ > 0 && !window_.minimized();
+    const bool busy = !events_.empty() || draws || !down_.empty() || session_.animated() || woken_;
     for (Event& event : window_.wait(busy ? 1e-3 : seconds)) events_.push_back(std::move(event));
     ++turns_;
     const auto now = Clock::now();
@@ -224,6 +226,8 @@ void Viewer::handle(const Event& event) {
             break;
         case Event::Type::drop:
             drop(event.files);
+            break;
+        case Event::Type::refresh:  // any event draws
             break;
         case Event::Type::focus:
             // Releases that go elsewhere are never seen.

@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "capture/capture.h"
+#include "display_density.h"
 #include "gl/context.h"
 
 namespace voxcone {
@@ -476,6 +477,16 @@ TEST_F(ViewerTest, FollowsTheWindowsSizeAndSurvivesMinimising) {
     turns(5);
     viewer().window().minimize(false);
     turns(5);
+    // What was uncovered is drawn again, and then no more.
+    ASSERT_TRUE(turnUntil([&, drawn = std::uint64_t{0}]() mutable {
+        return std::exchange(drawn, viewer().drawn()) == viewer().drawn();
+    }));
+    const std::uint64_t drawn = viewer().drawn();
+    Event uncovered;
+    uncovered.type = Event::Type::refresh;
+    viewer().post(uncovered);
+    turns(1);
+    EXPECT_GT(viewer().drawn(), drawn);
     viewer().window().resize(900, 600);
     ASSERT_TRUE(turnUntil([&] { return viewer().window().framebufferSize() == glm::ivec2(900, 600); }));
     session().followWindow = false;
@@ -850,6 +861,49 @@ TEST_F(Following, DISABLED_CornellAtDefaultSettings) {
     const Delays delays = follow(30, 5);
     EXPECT_FALSE(delays.unsettledFinished);
     EXPECT_LT(quantile(delays.gaps, 0.95), 0.1) << "ten turns a second";
+}
+
+/// The same window on a display of 192 dots an inch.
+class HighDensity : public ViewerTest {
+  protected:
+    static std::unique_ptr<DisplayDensity>& density() {
+        static std::unique_ptr<DisplayDensity> density;
+        return density;
+    }
+    static void SetUpTestSuite() {
+        density() = std::make_unique<DisplayDensity>(192);
+        ViewerTest::SetUpTestSuite();
+    }
+    static void TearDownTestSuite() {
+        ViewerTest::TearDownTestSuite();
+        density().reset();
+    }
+};
+
+TEST_F(HighDensity, ControlsGrowAndPicturesStay) {
+    EXPECT_EQ(viewer().window().contentScale(), 2);
+    EXPECT_GE(viewer().pictureRect().low.y, 2 * 19);
+    EXPECT_EQ(viewer().pictureRect().size, glm::dvec2(200, 112)) << "whole pixels beside the side bar";
+    const Image png = readImage(screenshot().string() + ".png");
+    turns(3);
+    const Image window = viewer().readWindow();
+    const glm::ivec2 low(viewer().pictureRect().low);
+    float worst = 0;
+    for (int y = 0; y < png.height; ++y)
+        for (int x = 0; x < png.width; ++x)
+            for (int c = 0; c < 3; ++c)
+                worst = std::max(worst, std::abs(static_cast<float>(srgbFromLinear(png.pixel(x, y)[c])) -
+                                                 window.pixel(low.x + x, low.y + y)[c]));
+    EXPECT_LT(worst, 1.5f / 255);
+    const Camera before = session().camera.camera();
+    drag(GLFW_MOUSE_BUTTON_LEFT, inPicture(0.5, 0.5), inPicture(0.7, 0.5));
+    EXPECT_NE(session().camera.camera().position, before.position);
+    for (Panel& panel : viewer().panels()) panel.open = true;
+    turns(3);
+    ASSERT_TRUE(settle());
+    const fs::path moved = screenshot();
+    key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+    expectSamePictures(moved, capture(lastMessage().substr(6)));
 }
 
 TEST_F(ViewerTest, SettingsThatTheDeviceRefusesAreToldAndTakenBack) {

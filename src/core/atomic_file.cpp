@@ -74,6 +74,20 @@ void AtomicFile::commit() {
     committed_ = true;
 }
 
+Marker::Marker(const fs::path& path) : path_(path) {
+    std::error_code error;
+    if (path_.has_parent_path()) fs::create_directories(path_.parent_path(), error);
+    slot_ = remember(path_.string());
+    if (!std::ofstream(path_))
+        throw InputError(path_.string(), "", fmt::format("cannot write: {}", std::strerror(errno)));
+}
+
+Marker::~Marker() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+    forget(slot_);
+}
+
 void writeTextFile(const fs::path& path, std::string_view content) {
     AtomicFile file(path);
     {

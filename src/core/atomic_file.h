@@ -25,6 +25,21 @@ class AtomicFile {
     std::size_t slot_ = 0;  ///< where the signal handler finds the temporary name
 };
 
+/// An empty file that is there as long as this object. One that is found later was left by a program that crashed or
+/// was killed: removeTemporaryFilesOnSignals() holds for it as well.
+class Marker {
+  public:
+    /// Creates missing parent folders. Throws InputError when the file cannot be written.
+    explicit Marker(const std::filesystem::path& path);
+    ~Marker();
+    Marker(const Marker&) = delete;
+    Marker& operator=(const Marker&) = delete;
+
+  private:
+    std::filesystem::path path_;
+    std::size_t slot_ = 0;
+};
+
 /// From now on SIGINT, SIGTERM and SIGHUP remove all temporary files and end the process with status 128 + signal.
 void removeTemporaryFilesOnSignals();
 

@@ -185,6 +185,10 @@ class Runner {
             if (!fs::exists(repeatFile(item, i))) item.repeats.push_back(i);
         item.picture = fs::exists(item.folder / "picture.json");
         item.failed = fs::exists(item.folder / "failed.json");
+        if (!item.finished() && fs::exists(markerFile(item))) {
+            fs::remove(markerFile(item));
+            fail(item, "the program was ended while it measured this: a crash, or out of memory");
+        }
         if (!item.finished()) {
             work_ += suite_.warmUp + static_cast<int>(item.repeats.size()) + 1;
             if (counted_.insert(item.reference).second && !fs::exists(references_ / item.reference / "reference.json"))
@@ -192,6 +196,9 @@ class Runner {
         }
         items_.push_back(std::move(item));
     }
+
+    /// Is there while the device works for the item, so that the next run does not crash in the same place.
+    static fs::path markerFile(const Item& item) { return item.folder / "measuring"; }
 
     static fs::path repeatFile(const Item& item, int repeat) {
         return item.folder / fmt::format("repeat.{}.json", repeat);
@@ -214,6 +221,7 @@ class Runner {
     /// configuration.
     template <class F>
     bool attempt(Item& item, F&& what) {
+        const Marker marker(markerFile(item));
         try {
             what();
             return true;
@@ -273,6 +281,7 @@ class Runner {
             try {
                 referenceOf(item);
                 const SuiteView& view = viewOf(item);
+                const Marker marker(markerFile(item));
                 trial = std::make_unique<Trial>(*context_, evaluatorOf(view).sceneFor(item.settings), view.shot,
                                                 view.frame, item.settings, suite_.warmUp);
             } catch (const std::exception& error) {

@@ -175,15 +175,21 @@ TEST_F(Reports, ErrorsAreThoseOfCompare) {
     EXPECT_EQ(seen, 2);
 }
 
-TEST_F(Reports, GoOnWhereTheyWereStopped) {
-    const TemporaryFolder folder;
-    const fs::path file = folder.path() / "suite.json", to = folder.path() / "out";
-    writeTextFile(file, suiteText(10));
+/// The program at work on a suite.
+pid_t startReport(const fs::path& file, const fs::path& to) {
     const pid_t child = fork();
     if (child == 0) {
         execl(VOXCONE_PROGRAM, VOXCONE_PROGRAM, "report", file.c_str(), "--out", to.c_str(), nullptr);
         _exit(127);
     }
+    return child;
+}
+
+TEST_F(Reports, GoOnWhereTheyWereStopped) {
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "suite.json", to = folder.path() / "out";
+    writeTextFile(file, suiteText(10));
+    const pid_t child = startReport(file, to);
     const auto repeats = [&] {
         std::map<std::string, fs::file_time_type> found;
         if (!fs::exists(to / "measurements")) return found;
@@ -209,6 +215,45 @@ TEST_F(Reports, GoOnWhereTheyWereStopped) {
     for (const auto& [name, time] : before) EXPECT_EQ(after.at(name), time) << name;
     const json report = reportOf(to);
     for (const json& row : report["rows"]) EXPECT_EQ(row["status"], "ok");
+}
+
+// A driver that crashes, or the kernel when no memory is left, ends the program like this.
+TEST_F(Reports, TellWhatTheyWereKilledIn) {
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "suite.json", to = folder.path() / "out";
+    writeTextFile(file, suiteText(2));
+    const pid_t child = startReport(file, to);
+    fs::path marked;
+    for (int i = 0; i < 6000 && marked.empty(); ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        kill(child, SIGSTOP);
+        int status = 0;
+        ASSERT_EQ(waitpid(child, &status, WUNTRACED), child);
+        ASSERT_TRUE(WIFSTOPPED(status)) << "it has ended before";
+        if (fs::exists(to))
+            for (const auto& entry : fs::recursive_directory_iterator(to))
+                if (entry.path().filename() == "measuring") marked = entry.path().parent_path();
+        if (marked.empty()) kill(child, SIGCONT);
+    }
+    ASSERT_FALSE(marked.empty());
+    kill(child, SIGKILL);
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+
+    const Outcome again = voxcone({"report", file.string(), "--out", to.string()});
+    ASSERT_EQ(again.status, 0) << again.err;
+    EXPECT_THAT(again.err, HasSubstr("ended while it measured this"));
+    int failed = 0;
+    const json report = reportOf(to);
+    for (const json& row : report["rows"]) {
+        if (row["status"] == "ok") continue;
+        ++failed;
+        EXPECT_EQ(row["status"], "failed");
+        EXPECT_THAT(row["reason"].get<std::string>(), HasSubstr("ended while it measured this"));
+    }
+    EXPECT_EQ(failed, 1);
+    EXPECT_TRUE(fs::exists(marked / "failed.json"));
+    EXPECT_FALSE(fs::exists(marked / "measuring"));
 }
 
 // As docs/reports.md has it.

@@ -284,7 +284,8 @@ void drawFiguresPanel(Session& session) {
     const float width = ImGui::GetContentRegionAvail().x;
     const auto plot = [&](const char* id, const std::deque<float>& values, float height) {
         const std::vector<float> flat(values.begin(), values.end());
-        ImGui::PlotLines(id, flat.data(), static_cast<int>(flat.size()), 0, nullptr, 0, FLT_MAX, ImVec2(-1, height));
+        ImGui::PlotLines(id, flat.data(), static_cast<int>(flat.size()), 0, nullptr, 0, FLT_MAX,
+                         ImVec2(ImGui::GetContentRegionAvail().x, height));
     };
     plot("##frame", session.history.frame, 2.5f * ImGui::GetFontSize());
     tip("milliseconds of the last frames");
@@ -337,7 +338,7 @@ void drawLevelCost(const std::deque<float>& milliseconds) {
     const auto last = std::find_if(flat.rbegin(), flat.rend(), [](float ms) { return ms > 0; });
     const std::string label = last == flat.rend() ? "no update yet" : fmt::format("last update {:.1f} ms", *last);
     ImGui::PlotHistogram("##milliseconds", flat.data(), static_cast<int>(flat.size()), 0, label.c_str(), 0, FLT_MAX,
-                         ImVec2(-1, 1.6f * ImGui::GetFontSize()));
+                         ImVec2(ImGui::GetContentRegionAvail().x, 1.6f * ImGui::GetFontSize()));
     tip("milliseconds that voxelizing this level took in each of the last frames");
 }
 
@@ -392,7 +393,7 @@ void drawClipmapPanel(Session& session) {
             const auto& values = session.history.voxels[i];
             const std::vector<float> flat(values.begin(), values.end());
             ImGui::PlotHistogram("##updates", flat.data(), static_cast<int>(flat.size()), 0, nullptr, 0, FLT_MAX,
-                                 ImVec2(-1, 1.6f * ImGui::GetFontSize()));
+                                 ImVec2(ImGui::GetContentRegionAvail().x, 1.6f * ImGui::GetFontSize()));
             tip("voxels of this level that each of the last frames voxelized");
             drawLevelCost(session.history.levels[i]);
         }
@@ -492,7 +493,7 @@ void drawSlice(Session& session) {
         ImGui::EndTooltip();
     }
     ImGui::PlotHistogram("##occupancy", histogram.data(), static_cast<int>(histogram.size()), 0, "opacity, 0 to 1", 0,
-                         FLT_MAX, ImVec2(-1, 3 * ImGui::GetFontSize()));
+                         FLT_MAX, ImVec2(ImGui::GetContentRegionAvail().x, 3 * ImGui::GetFontSize()));
     dim(fmt::format("{} of {} voxels of the slice are occupied; histogram of their fullest faces' coverage", occupied,
                     slice.width * slice.height));
 }

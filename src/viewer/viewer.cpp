@@ -780,18 +780,19 @@ void Viewer::drawStatus() {
     ImGui::PopStyleVar(2);
 }
 
-/// A bar for the light that is still to come.
+/// How much light is still to come, in words and as a bar.
 void Viewer::drawLightProgress() {
     const LightProgress light = thread_.light();
     if (light.whole) return;
-    const std::string text = lightText(light);
+    ImGui::SameLine(0, 0);
+    ImGui::TextUnformatted((", " + lightText(light)).c_str());
     // Of all steps: direct light, and each bounce.
-    const double share =
-        light.levelsLeft > 0 ? 0 : (light.direct ? 1 + light.bounces + light.share : light.share) / (1 + light.of);
+    const double steps = light.direct ? 1 + light.bounces + light.share : light.share;
+    const double share = light.levelsLeft > 0 ? 0 : std::min(steps / (1 + light.of), 1.0);
     ImGui::SameLine();
-    ImGui::ProgressBar(static_cast<float>(std::clamp(share, 0.0, 1.0)),
-                       ImVec2(ImGui::CalcTextSize(text.c_str()).x + 4 * ImGui::GetFontSize(), ImGui::GetFontSize()),
-                       text.c_str());
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(0, 0));
+    ImGui::ProgressBar(static_cast<float>(share), ImVec2(6 * ImGui::GetFontSize(), ImGui::GetFontSize()), "");
+    ImGui::PopStyleVar();
 }
 
 void Viewer::drawOpenDialog() {

@@ -4,7 +4,7 @@
 voxcone_packages=(cmake ninja-build g++ pkg-config libglm-dev libepoxy-dev libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri
   libtinygltf-dev libstb-dev nlohmann-json3-dev libopenimageio-dev openimageio-tools libembree-dev libtbb-dev libcli11-dev
   libfmt-dev libssl-dev libglfw3-dev libimgui-dev)
-voxcone_test_packages=(libgtest-dev libgmock-dev libbenchmark-dev parallel chromium xvfb xauth xdotool)
+voxcone_test_packages=(libgtest-dev libgmock-dev libbenchmark-dev parallel libx11-dev chromium xvfb xauth xdotool)
 
 # install_packages NAME...: installs those that are missing, as root or by sudo without a password; else prints the one line
 # to run and exits with 2.

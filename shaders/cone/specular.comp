@@ -8,11 +8,11 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform float u_inverseVoxelSize;
-uniform int u_firstRow;  // of this dispatch
+uniform ivec2 u_firstPixel;  // of this dispatch
 layout(rgba32f) uniform writeonly image2D u_gathered;
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, u_firstRow);
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + u_firstPixel;
     if (any(greaterThanEqual(pixel, imageSize(u_gathered)))) return;
     GBufferSample s = loadGBuffer(pixel);
     vec4 sum = vec4(0.0);

@@ -1,4 +1,4 @@
-// MEASURE: records by level, and of the last level the brightest face and a list of the faces, which gather. Otherwise: the radiance of
+// MEASURE: records by level, and if asked for, of the last level the brightest face and a list of the faces, which gather. Otherwise: the radiance of
 // every face, from its direct light and what it has gathered; half floats, as cones read them.
 #include "cascade/buffers.glsl"
 #include "cascade/clipmap.glsl"
@@ -13,6 +13,7 @@ layout(std430, binding = PLACE_STORAGE) readonly buffer Places { uint b_places[]
 layout(std430, binding = COVERAGE_STORAGE) readonly buffer Coverage { uvec2 b_coverage[]; };
 layout(std430, binding = LIT_STORAGE) readonly buffer Direct { uint b_direct[]; };
 #if MEASURE
+uniform bool u_list;
 layout(std430, binding = LIST_STORAGE) writeonly buffer List { uvec2 b_list[]; };  // face, and what it gathers in a bounce
 #else
 layout(std430, binding = LIST_STORAGE) readonly buffer List { uint b_list[]; };
@@ -36,6 +37,7 @@ void main() {
     if (!placeInUse(place)) return;
 #if MEASURE
     atomicAdd(b_records[level], 1u);
+    if (!u_list) return;
 #endif
     if (level >= u_levels) return;
 #if !MEASURE

@@ -9,7 +9,7 @@
 #include "cone/cone_set.glsl"
 layout(local_size_x = 64) in;
 
-uniform uint u_faceCount;          // of the list
+uniform uint u_firstFace, u_endFace;  // of the list, of this dispatch
 uniform float u_fixedPointUnit;    // steps of the sums for a radiance of 1
 layout(std430, binding = COUNTER_STORAGE) coherent buffer Counters { VOXEL_COUNTERS };
 layout(std430, binding = LIST_STORAGE) buffer List { uvec2 b_list[]; };  // face, what this bounce adds as RGB9E5
@@ -22,7 +22,8 @@ layout(std430, binding = GATHERED_STORAGE) buffer Gathered { uvec2 b_gathered[];
 
 void main() {
     uint item = gl_WorkGroupID.y * gl_NumWorkGroups.x * 64u + gl_WorkGroupID.x * 64u + gl_LocalInvocationID.x;
-    if (item >= u_faceCount) return;
+    item += u_firstFace;
+    if (item >= u_endFace) return;
     uint index = b_list[item].x, slot = index / 6u;
     FaceRecord face = b_faces[index];
     uint place = b_places[slot];

@@ -9,7 +9,7 @@
 #endif
 layout(local_size_x = 64) in;
 
-uniform uint u_faceCount;       // six a record
+uniform uint u_firstFace, u_endFace;  // of this dispatch; six a record
 uniform bool u_listed;          // the records of the list; else the first ones
 uniform float u_voxelSize;      // of level 0
 layout(std430, binding = COUNTER_STORAGE) coherent buffer Counters { VOXEL_COUNTERS };
@@ -23,7 +23,8 @@ layout(std430, binding = EMISSION_STORAGE) readonly buffer Emission { uint b_emi
 
 void main() {
     uint item = gl_WorkGroupID.y * gl_NumWorkGroups.x * 64u + gl_WorkGroupID.x * 64u + gl_LocalInvocationID.x;
-    if (item >= u_faceCount) return;
+    item += u_firstFace;
+    if (item >= u_endFace) return;
     uint slot = item / 6u;
     if (u_listed) slot = b_list[slot];
     uint place = b_places[slot], index = slot * 6u + item % 6u;

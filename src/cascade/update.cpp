@@ -1,6 +1,7 @@
 #include "cascade/update.h"
 
 #include <algorithm>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -35,6 +36,33 @@ std::vector<VoxelBox> disjoint(const std::vector<VoxelBox>& boxes) {
         out.insert(out.end(), rest.begin(), rest.end());
     }
     return out;
+}
+
+std::vector<ClipmapUpdate> byLevel(const ClipmapLayout& layout, const ClipmapUpdate& update,
+                                   const std::vector<VoxelBox>& before) {
+    std::vector<VoxelBox> windows = before;
+    if (update.all) {
+        windows = update.windows;
+        for (VoxelBox& window : windows) window.high = window.low;
+    }
+    std::vector<ClipmapUpdate> parts;
+    for (int level = layout.levels - 1; level >= 0; --level) {
+        ClipmapUpdate part;
+        const auto take = [level](const std::vector<Region>& from, std::vector<Region>& to) {
+            std::copy_if(from.begin(), from.end(), std::back_inserter(to),
+                         [level](const Region& region) { return region.level == level; });
+        };
+        take(update.fixed, part.fixed);
+        take(update.moving, part.moving);
+        if (part.empty()) continue;
+        // Mips are made with the last level.
+        const auto end = level == layout.levels - 1 ? update.windows.end() : update.windows.begin() + level + 1;
+        std::copy(update.windows.begin() + level, end, windows.begin() + level);
+        part.windows = windows;
+        part.all = update.all && parts.empty();
+        parts.push_back(std::move(part));
+    }
+    return parts;
 }
 
 namespace {

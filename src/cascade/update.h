@@ -28,6 +28,12 @@ VoxelBox voxelBox(const Bounds& fromOrigin, double voxelSize);
 /// The union of `boxes` as disjoint boxes.
 std::vector<VoxelBox> disjoint(const std::vector<VoxelBox>& boxes);
 
+/// `update` in parts of one level each, the coarsest first, so that finer levels always find what they take light from.
+/// `before`: the windows that are held, mips too; empty before the first update, when levels that are yet to come have
+/// empty windows. All parts in order do what `update` does.
+std::vector<ClipmapUpdate> byLevel(const ClipmapLayout& layout, const ClipmapUpdate& update,
+                                   const std::vector<VoxelBox>& before);
+
 /// Decides from frame to frame which levels follow the camera.
 class ClipmapSchedule {
   public:

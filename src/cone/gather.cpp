@@ -27,18 +27,24 @@ void dispatchPixels(gl::Program& program, const gl::Texture& output, const char*
     gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
 }
 
-/// The same for shaders that count rows from u_firstRow: in bands, before each of which `stop` is asked.
-void dispatchBands(gl::Program& program, const gl::Texture& output, const char* image, GLenum format,
-                   const Stop& stop) {
-    constexpr int kGroup = 8, kPixels = 1 << 14;  // a band: some tens of milliseconds on a software rasteriser
-    const int rows = gl::groupsFor(output.height(), kGroup);
-    const int band = stop ? std::clamp(kPixels / (kGroup * output.width()), 1, rows) : rows;
+/// The same for shaders that count pixels from u_firstPixel: in pieces, after each of which `stop` is asked.
+void dispatchPieces(gl::Program& program, const gl::Texture& output, const char* image, GLenum format, int& piece,
+                    const Stop& stop) {
+    constexpr int kGroup = 8;
+    const int columns = gl::groupsFor(output.width(), kGroup), rows = gl::groupsFor(output.height(), kGroup);
     output.bindImage(kOutputImage, 0, GL_WRITE_ONLY, format);
     program.set(image, kOutputImage);
-    for (int row = 0; row < rows && !(stop && stop()); row += band) {
-        program.set("u_firstRow", kGroup * row);
-        gl::dispatch(program, gl::groupsFor(output.width(), kGroup), std::min(band, rows - row), 1);
-    }
+    int next = 0;
+    gl::inPieces(next, columns * rows, piece, stop, [&](int first, int end) {
+        // The rest of a row, whole rows, the beginning of a row.
+        while (first < end) {
+            const int column = first % columns, count = end - first;
+            const int wide = std::min(count, columns - column), high = wide == columns ? count / columns : 1;
+            program.set("u_firstPixel", kGroup * glm::ivec2(column, first / columns));
+            gl::dispatch(program, wide, high, 1);
+            first += wide * high;
+        }
+    });
     gl::memoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
 }
 
@@ -107,7 +113,7 @@ void DiffusePass::gather(gl::Program& program, const RadianceVolume& volume, con
     setContainmentUniforms(program, *volume.voxels, side == SeamSide::blended);
     program.set("u_coarserSide", side == SeamSide::coarser);
     bindGBuffer(program, kGBufferUnit);
-    dispatchBands(program, gathered_, "u_gathered", GL_RGBA32F, stop);
+    dispatchPieces(program, gathered_, "u_gathered", GL_RGBA32F, piece_, stop);
 }
 
 std::uint64_t DiffusePass::countSamples(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer) {
@@ -154,7 +160,7 @@ void SpecularPass::gather(gl::Program& program, const RadianceVolume& volume, co
                           const BindGBuffer& bindGBuffer, const Stop& stop) {
     setSpecularUniforms(program, settings_, sky, volume, kConeUnit);
     bindGBuffer(program, kGBufferUnit);
-    dispatchBands(program, gathered_, "u_gathered", GL_RGBA32F, stop);
+    dispatchPieces(program, gathered_, "u_gathered", GL_RGBA32F, piece_, stop);
 }
 
 std::uint64_t SpecularPass::countSamples(const RadianceVolume& volume, const Sky& sky, const BindGBuffer& bindGBuffer) {

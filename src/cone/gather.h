@@ -6,6 +6,7 @@
 #include "cone/cone_uniforms.h"
 #include "cone/sample_counter.h"
 #include "gl/pass_timers.h"
+#include "gl/pieces.h"
 
 namespace voxcone {
 
@@ -15,8 +16,11 @@ enum class SeamSide { blended, finer, coarser };
 /// Binds what frame/gbuffer.glsl reads to a program, at texture units from `firstUnit`.
 using BindGBuffer = std::function<void(gl::Program&, int firstUnit)>;
 
-/// Asked between pieces of long work; true abandons it. Empty: never.
-using Stop = std::function<bool()>;
+/// True abandons the pass.
+using gl::Stop;
+
+/// Work groups of 8×8 pixels that a pass which may be abandoned begins with: gl::inPieces.
+constexpr int kFirstPiece = 8;
 
 // What the programs that trace a pixel's cones need, also that which asks what they meet (inspect.h): defines with
 // those of frame/gbuffer.glsl, and uniforms from texture unit `unit` on, kConeUnits of them.
@@ -58,6 +62,7 @@ class DiffusePass {
     SampleCounter samples_;
     gl::Program gather_, filter_;
     gl::Texture gathered_, diffuse_;
+    int piece_ = kFirstPiece;
 };
 
 class SpecularPass {
@@ -89,6 +94,7 @@ class SpecularPass {
     SampleCounter samples_;
     gl::Program gather_, filter_;
     gl::Texture gathered_, specular_;
+    int piece_ = kFirstPiece;
 };
 
 /// Visibility of all lights through cones: the channel `soft_shadow`.

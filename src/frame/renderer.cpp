@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <utility>
 
 #include "cascade/voxels.h"
@@ -122,8 +123,9 @@ struct Renderer::Impl {
         if (cascadeView) cascadeView->resize(width, height);
     }
 
-    /// Brings shadow maps, voxels and their light to the scene's time and the camera's place.
-    void updateVoxels(const glm::dvec3& eye) {
+    /// Brings shadow maps, voxels and their light to the scene's time and the camera's place; `pause`:
+    /// Renderer::render.
+    void updateVoxels(const glm::dvec3& eye, const gl::Stop& pause) {
         const glm::dvec3 origin = clipmapOrigin(layout, eye);
         if (forgotten || origin != voxels.origin) {
             forgotten = true;
@@ -131,40 +133,102 @@ struct Renderer::Impl {
             gpuScene.setOrigin(origin);
             shadowMaps.invalidate();
             if (schedule) schedule->reset();
+            parts.clear();
         }
-        const bool light = shadowMaps.update(gpuScene, timers) || forgotten;
+        relight |= shadowMaps.update(gpuScene, timers) || forgotten;
         if (voxelizer) {
-            gl::GpuScene::Moved moved = gpuScene.takeMoved();
-            for (auto* boxes : {&moved.moving, &moved.fixed})
-                for (Bounds& box : *boxes) box = {box.min - origin, box.max - origin};
-            update = schedule->next(eye - origin, moved.moving, moved.fixed);
+            updateLevels(eye - origin, pause);
             voxels.center = eye - origin;
-            if (settings.cascade.center == CascadeCenter::window && layout.moves(0))
-                voxels.center = 0.5 * layout.voxelSize * glm::dvec3(update.windows[0].low + update.windows[0].high);
-            voxels.freshCount = 0;
-            voxels.trianglesDrawn = 0;
-            if (!update.empty()) voxelizer->update(gpuScene, update, voxels, timers);
-            const bool exact = settings.cascade.update == CascadeUpdate::exact,
-                       coarsest = update.touches(layout.levels - 1);
-            if (update.all) {
-                bouncesLeft = 0;
-            } else if (!exact && (light || coarsest)) {
-                bouncesLeft = settings.light.bounces > 0 ? kSettlingBounces : 0;
-            }
-            if (light || !update.empty() || bouncesLeft > 0) {
-                bounceField.reset();
-                field->update(
-                    voxels, sky, {light, coarsest, bouncesLeft == 0},
-                    [this](gl::Program& program) { shadowMaps.bind(program); }, timers);
-                bouncesLeft = std::max(bouncesLeft - 1, 0);
-            }
+            if (settings.cascade.center == CascadeCenter::window && layout.moves(0) && !voxels.windows[0].empty())
+                voxels.center = 0.5 * layout.voxelSize * glm::dvec3(voxels.windows[0].low + voxels.windows[0].high);
         }
         forgotten = false;
     }
 
+    void updateLevels(const glm::dvec3& center, const gl::Stop& pause) {
+        const auto bindLights = [this](gl::Program& program) { shadowMaps.bind(program); };
+        const bool exact = settings.cascade.update == CascadeUpdate::exact;
+        voxels.freshCount = 0;
+        recordsMade = trianglesDrawn = 0;
+        update = ClipmapUpdate{};
+        behind = true;
+        // A frame adds one bounce at most, and only when that of the frame before is whole.
+        bool bounceBegun = !field->whole();
+        const auto begin = [&](bool coarsest) {
+            if (!exact && (relight || coarsest) && !anew) {
+                bouncesLeft = settings.light.bounces > 0 ? kSettlingBounces : 0;
+            }
+            const bool bounce = bouncesLeft > 0 && (relight || coarsest || !bounceBegun);
+            bounceField.reset();
+            field->begin(voxels, {relight, coarsest, !bounce}, bindLights, timers, static_cast<bool>(pause));
+            relight = false;
+            bounceBegun = true;
+        };
+        // What an earlier call has left comes first: places and motion since then are beside it.
+        for (bool planned = false; !parts.empty() || !planned;) {
+            if (parts.empty()) {
+                planned = true;
+                behind = false;
+                gl::GpuScene::Moved moved = gpuScene.takeMoved();
+                for (auto* boxes : {&moved.moving, &moved.fixed})
+                    for (Bounds& box : *boxes) box = {box.min - voxels.origin, box.max - voxels.origin};
+                const ClipmapUpdate next = schedule->next(center, moved.moving, moved.fixed);
+                anew = next.all;
+                if (anew) bouncesLeft = 0;
+                if (!next.empty()) voxelized = {};
+                if (pause) {
+                    for (ClipmapUpdate& part : byLevel(layout, next, voxels.windows)) parts.push_back(std::move(part));
+                } else if (!next.empty()) {
+                    parts.push_back(next);
+                }
+                if (parts.empty()) {
+                    if (relight || (bouncesLeft > 0 && !bounceBegun)) begin(false);
+                    break;
+                }
+            }
+            voxelize(parts.front());
+            begin(parts.front().touches(layout.levels - 1));
+            parts.pop_front();
+            if (pause && (!parts.empty() || !planned) && pause()) break;
+        }
+        update.windows = voxels.windows;
+        if (behind || !parts.empty() || field->whole()) return;
+        if (field->resume(voxels, sky, bindLights, timers, pause)) bouncesLeft = std::max(bouncesLeft - 1, 0);
+    }
+    void voxelize(const ClipmapUpdate& part) {
+        const std::vector<Region>& some = part.fixed.empty() ? part.moving : part.fixed;
+        const int level = some.front().level;
+        const auto same = [level](const Region& region) { return region.level == level; };
+        if (std::all_of(part.fixed.begin(), part.fixed.end(), same) &&
+            std::all_of(part.moving.begin(), part.moving.end(), same))
+            timers.label(level);
+        voxelizer->update(gpuScene, part, voxels, timers);
+        timers.label(-1);
+        update.all = anew;
+        update.fixed.insert(update.fixed.end(), part.fixed.begin(), part.fixed.end());
+        update.moving.insert(update.moving.end(), part.moving.begin(), part.moving.end());
+        recordsMade += voxels.freshCount;
+        trianglesDrawn += voxels.trianglesDrawn;
+        voxelized.fragments += voxels.counters.fragments;
+        voxelized.saturated += voxels.counters.saturated;
+        voxelized.clamped += voxels.counters.clamped;
+    }
+
+    LightProgress lightProgress() const {
+        LightProgress p;
+        if (!voxelizer) return p;
+        p.levelsLeft = static_cast<int>(parts.size()) + schedule->waiting();
+        p.direct = field->directWhole();
+        p.bounces = bouncesLeft > 0 ? kSettlingBounces - bouncesLeft : field->bouncesMade();
+        p.of = bouncesLeft > 0 ? kSettlingBounces : field->bouncesWanted();
+        p.share = field->share();
+        p.whole = !forgotten && !behind && p.levelsLeft == 0 && field->whole() && bouncesLeft == 0;
+        return p;
+    }
+
     /// The frame, pass by pass. `change`: set to what the light of the frame before has become, if not null. False when
     /// `stop` has abandoned it.
-    bool render(const Camera& worldCamera, TemporalChange* change, const std::function<bool()>& stop) {
+    bool render(const Camera& worldCamera, TemporalChange* change, const gl::Stop& stop, const gl::Stop& pause) {
         Image before;
         const bool compare = change && voxelizer && !voxels.windows.empty();
         if (compare) before = gatheredBefore(worldCamera);
@@ -172,7 +236,7 @@ struct Renderer::Impl {
         if (!std::exchange(bounceShown, false)) bounceField.reset();
         // Passes store into the images that the last frame fetched.
         gl::memoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-        updateVoxels(clipmapEye.value_or(worldCamera.position));
+        updateVoxels(clipmapEye.value_or(worldCamera.position), pause);
         const auto abandoned = [&] {
             if (!stop || !stop()) return false;
             timers.endFrame();
@@ -248,6 +312,7 @@ struct Renderer::Impl {
         for (const gl::PassTime& pass : timers.results()) stats.passes.push_back({pass.name, pass.milliseconds});
         stats.frameMilliseconds = timers.frameMilliseconds();
         stats.timer = timers.modeName();
+        stats.levelMilliseconds = timers.byLabel();
         const auto memory = [&](const char* name, std::uint64_t bytes) {
             if (bytes > 0) stats.memory.push_back({name, bytes});
         };
@@ -277,12 +342,12 @@ struct Renderer::Impl {
             stats.counts[fmt::format("{}_{}_voxels", level < layout.levels ? "level" : "mip",
                                      level < layout.levels ? level : level - layout.levels + 1)] =
                 field->records(level);
-        stats.counts["voxel_triangles_drawn"] = voxels.trianglesDrawn;
-        stats.counts["voxel_records_made"] = voxels.freshCount;
+        stats.counts["voxel_triangles_drawn"] = trianglesDrawn;
+        stats.counts["voxel_records_made"] = recordsMade;
         stats.counts["levels_waiting"] = schedule ? static_cast<std::uint64_t>(schedule->waiting()) : 0;
         stats.counts["voxel_faces_lit"] = field ? field->activeFaces() : 0;
         stats.counts["light_bounces"] = field ? static_cast<std::uint64_t>(field->bounces()) : 0;
-        stats.counts["voxel_fragments"] = voxels.counters.fragments;
+        stats.counts["voxel_fragments"] = voxelized.fragments;
         stats.counts["voxel_sums_saturated"] = voxels.counters.saturated;
         stats.counts["emission_clamped"] = voxels.counters.clamped;
         stats.counts["radiance_clamped"] = field ? field->clamped() : 0;
@@ -389,9 +454,15 @@ struct Renderer::Impl {
     ClipmapLayout layout;
     std::unique_ptr<ClipmapSchedule> schedule;
     Voxels voxels;
-    ClipmapUpdate update;                  ///< the last one
-    std::optional<glm::dvec3> clipmapEye;  ///< instead of the camera
-    int bouncesLeft = 0;                   ///< frames until light has settled, with an update budget
+    ClipmapUpdate update;                               ///< what the last frame has voxelized of it
+    std::deque<ClipmapUpdate> parts;                    ///< not yet voxelized
+    bool anew = false;                                  ///< the update is of everything
+    bool behind = true;                                 ///< the camera's place and motion are not yet in `parts`
+    bool relight = true;                                ///< light or shadows have changed, and `field` does not know
+    VoxelCounters voxelized;                            ///< sums of the update
+    std::uint64_t recordsMade = 0, trianglesDrawn = 0;  ///< by the last frame
+    std::optional<glm::dvec3> clipmapEye;               ///< instead of the camera
+    int bouncesLeft = 0;                                ///< frames until light has settled, with an update budget
     std::unique_ptr<DiffusePass> diffuse;
     gl::Texture specularAlbedo;
     std::unique_ptr<SpecularPass> specular;
@@ -468,8 +539,13 @@ VoxelSlice Renderer::voxelSlice(int level, int axis, int depth, int bounce) {
                           light.faces());
 }
 
-bool Renderer::render(const Camera& worldCamera, const std::function<bool()>& stop) {
-    return impl_->render(worldCamera, nullptr, stop);
+bool Renderer::render(const Camera& worldCamera, const std::function<bool()>& stop,
+                      const std::function<bool()>& pause) {
+    return impl_->render(worldCamera, nullptr, stop, pause);
+}
+
+LightProgress Renderer::light() const {
+    return impl_->lightProgress();
 }
 
 void Renderer::drawSurfaces(const Camera& worldCamera) {
@@ -483,7 +559,7 @@ void Renderer::drawSurfaces(const Camera& worldCamera) {
 
 TemporalChange Renderer::renderAndCompare(const Camera& worldCamera) {
     TemporalChange change;
-    impl_->render(worldCamera, &change, {});
+    impl_->render(worldCamera, &change, {}, {});
     return change;
 }
 

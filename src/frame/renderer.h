@@ -42,6 +42,17 @@ struct FrameStats {
     std::vector<Memory> memory;
     std::map<std::string, std::uint64_t>
         counts;  ///< triangles, occupied voxels, fragments saturated, values clamped, …
+    /// Milliseconds of voxelization by level, of those levels that were voxelized by themselves in this frame.
+    std::map<int, double> levelMilliseconds;
+};
+
+/// How far the voxels and their light have come (Renderer::render with `pause`).
+struct LightProgress {
+    bool whole = true;        ///< all is as the scene and the camera ask for
+    int levelsLeft = 0;       ///< that are yet to be voxelized
+    bool direct = true;       ///< direct light of the voxels is whole; until then cones see that of before
+    int bounces = 0, of = 0;  ///< made, and to be made at most
+    double share = 0;         ///< of direct light, or of the next bounce, 0 to 1
 };
 
 /// The step in indirect diffuse light between the levels `level` and `level` + 1 of the clipmap, over the pixels where
@@ -98,10 +109,20 @@ class Renderer {
     void setVoxelView(const VoxelViewOptions& options);
 
     /// Draws one frame into the device's channels. Voxels, shadow maps and bounces are renewed where the camera's or
-    /// the scene's motion asks for it. `stop` is asked once voxels and G-buffer are whole, then between passes and
-    /// within long ones: true abandons the frame. False when that happened; albedo, normal, depth, position, emission,
-    /// cascade and the voxel views are channels of it all the same.
-    bool render(const Camera& worldCamera, const std::function<bool()>& stop = {});
+    /// the scene's motion asks for it. `stop` is asked once the G-buffer is whole, then between passes and within long
+    /// ones: true abandons the frame. False when that happened; albedo, normal, depth, position, emission, cascade and
+    /// the voxel views are channels of it all the same.
+    ///
+    /// `pause` is asked between pieces of what is renewed of the voxels and their light, of which at least one is done:
+    /// true leaves the rest to the next call, and the frame shows the light there is so far (light()). Shadow maps are
+    /// always whole. Once light is whole, the frame is the same as without pauses, bit for bit. With an update budget
+    /// that holds if nothing has changed meanwhile; a change begins the frame's bounce anew.
+    bool render(const Camera& worldCamera, const std::function<bool()>& stop = {},
+                const std::function<bool()>& pause = {});
+
+    /// How far the last render() has brought voxels and light; may be called from `pause`. With an update budget light
+    /// is whole when it has settled.
+    LightProgress light() const;
 
     /// The same, and how the indirect diffuse light of what this frame shows has changed since the last frame: the same
     /// surface points are gathered with the voxels of both. Without a frame before, nothing has.

@@ -34,6 +34,7 @@ PassTimers::Query PassTimers::stamp() {
 void PassTimers::beginFrame() {
     VOXCONE_CHECK(!inFrame_, "beginFrame inside a frame");
     inFrame_ = true;
+    label_ = -1;
     current_ = {};
     if (mode_ == TimerMode::query) {
         current_.total.begin = stamp();
@@ -62,7 +63,7 @@ PassTimers::Scope::Scope(PassTimers& timers, const std::string& name) : timers_(
     timers.inPass_ = true;
     glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, static_cast<GLsizei>(name.size()), name.data());
     if (!timers.inFrame_) return;
-    timers.current_.passes.push_back({name, {}, {}, 0});
+    timers.current_.passes.push_back({name, {}, {}, 0, timers.label_});
     if (timers.mode_ == TimerMode::query) {
         timers.current_.passes.back().begin = stamp();
     } else {
@@ -94,8 +95,10 @@ void PassTimers::collect(bool block) {
             if (available == GL_FALSE) return;
         }
         results_.clear();
+        byLabel_.clear();
         for (const Mark& mark : frame.passes) {
             const double ms = query ? millisecondsBetween(mark.begin.id(), mark.end.id()) : mark.milliseconds;
+            if (mark.label >= 0) byLabel_[mark.label] += ms;
             const auto same = std::find_if(results_.begin(), results_.end(),
                                            [&](const PassTime& time) { return time.name == mark.name; });
             if (same == results_.end()) {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <deque>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -46,11 +47,16 @@ class PassTimers {
     void endFrame();
     [[nodiscard]] Scope pass(const std::string& name) { return Scope(*this, name); }
 
+    /// Passes from now on belong to `label` (a level of the clipmap) as well; −1, as at the frame's begin: to none.
+    void label(int label) { label_ = label; }
+
     /// Waits for all frames that were ended and takes their times.
     void wait();
 
     /// Times of the last frame whose figures have arrived (mode finish: the last ended frame), in order of first run.
     const std::vector<PassTime>& results() const { return results_; }
+    /// Milliseconds of that frame's passes by label.
+    const std::map<int, double>& byLabel() const { return byLabel_; }
     /// From beginFrame to endFrame of that frame.
     double frameMilliseconds() const { return frameMilliseconds_; }
     TimerMode mode() const { return mode_; }
@@ -66,6 +72,7 @@ class PassTimers {
         std::string name;
         Query begin, end;         ///< mode query
         double milliseconds = 0;  ///< mode finish
+        int label = -1;
     };
     struct Frame {
         Mark total;
@@ -81,6 +88,8 @@ class PassTimers {
     Clock::time_point passStart_, frameStart_;
     std::deque<Frame> pending_;
     std::vector<PassTime> results_;
+    std::map<int, double> byLabel_;
+    int label_ = -1;
     double frameMilliseconds_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include "cone/cone_uniforms.h"
 #include "core/settings.h"
 #include "gl/pass_timers.h"
+#include "gl/pieces.h"
 #include "gl/shader_library.h"
 #include "voxelize/voxelizer.h"
 
@@ -25,9 +26,32 @@ class RadianceField {
     RadianceField(const gl::ShaderLibrary& shaders, const Settings& settings, const Voxels& voxels, const Sky& sky,
                   bool lights);
 
-    /// Lights `voxels`. `bindLights` binds what light/lights.glsl reads to the given program.
-    void update(const Voxels& voxels, const Sky& sky, const Change& change,
-                const std::function<void(gl::Program&)>& bindLights, gl::PassTimers& timers);
+    using BindLights = std::function<void(gl::Program&)>;
+
+    /// Lights `voxels`: begin() and all of resume(). `bindLights` binds what light/lights.glsl reads to the given
+    /// program.
+    void update(const Voxels& voxels, const Sky& sky, const Change& change, const BindLights& bindLights,
+                gl::PassTimers& timers);
+
+    /// Takes up a change, before the next voxelization: new records are lit unless all are to be. What was under way
+    /// goes on, or begins anew where the change asks for it. `shown`: cones may read the voxels before all is done; new
+    /// records are black until they are lit.
+    void begin(const Voxels& voxels, const Change& change, const BindLights& bindLights, gl::PassTimers& timers,
+               bool shown);
+
+    /// Goes on with what has begun, until `stop` says true; at least one piece is done. The light that cones read
+    /// meanwhile is that before the change until direct light is whole, then direct light and all whole bounces. True
+    /// when light is whole, which is then the same, bit for bit, however often it was stopped.
+    bool resume(const Voxels& voxels, const Sky& sky, const BindLights& bindLights, gl::PassTimers& timers,
+                const gl::Stop& stop = {});
+
+    bool whole() const { return step_ == Step::whole; }
+    /// How far resume() has come: whether direct light is whole; bounces made and to be made at most; the share of
+    /// direct light or of the present bounce, 0 to 1.
+    bool directWhole() const { return step_ == Step::whole || step_ == Step::bounces; }
+    int bouncesMade() const { return made_; }
+    int bouncesWanted() const { return wanted_; }
+    double share() const { return items_ > 0 ? static_cast<double>(next_) / items_ : 0; }
 
     /// Keeps of all light what the last bounce of the last update has brought alone. It must have begun from nothing,
     /// with a light.bounces of 1 or more, light.tolerance 0 and no light.extrapolate; so must the next update.
@@ -54,11 +78,17 @@ class RadianceField {
     const gl::Buffer& faces() const { return faces_; }
 
   private:
-    using BindLights = std::function<void(gl::Program&)>;
+    /// What an update has still to do.
+    enum class Step : int { whole, direct, measure, bounces };
     void reserve(const Voxels& voxels);
-    void inject(const Voxels& voxels, bool all, const BindLights& bindLights);
-    void measure(const Voxels& voxels, const gl::Buffer& counters);
-    void bounce(const Voxels& voxels, const Sky& sky, int bounces, bool extend, const gl::Buffer& counters);
+    void reset(const Voxels& voxels);
+    bool inject(const Voxels& voxels, bool listed, const BindLights& bindLights, int& next, int items,
+                const gl::Stop& stop);
+    void measure(const Voxels& voxels, bool list);
+    bool decide(const Sky& sky);
+    void beginSeries(const Voxels& voxels);
+    bool bounce(const Voxels& voxels, const Sky& sky, const gl::Stop& stop);
+    void show(const Voxels& voxels, bool all, bool count);
     void spread(const Voxels& voxels, bool all);
     void store(const Voxels& voxels, int firstLevel, bool all, bool count, bool inSeries = false);
 
@@ -72,11 +102,19 @@ class RadianceField {
     gl::Buffer folded_;  ///< what shaders/light/fold.comp makes of the faces, unless cones read those
     gl::Buffer list_;    ///< faces of the last level, and what each has gathered in the last bounce
     gl::Buffer state_;   ///< shaders/light/series.glsl
-    VoxelCounters counters_;
+    gl::Buffer counterBuffer_;
+    VoxelCounters counters_;  ///< as they were last read
     int bounces_ = 0;
     glm::vec3 gain_{0};
-    float scale_ = 0;
-    bool stored_ = false;  ///< faces_ holds the light of all records but the new ones
+    float scale_ = 1;
+
+    Step step_ = Step::whole;
+    Change change_;                                     ///< all that step_ has to regard
+    bool again_ = false;                                ///< something gathers
+    int next_ = 0, items_ = 0;                          ///< faces of the step that are done, and all
+    int made_ = 0, wanted_ = 0;                         ///< bounces
+    bool roundStored_ = false;                          ///< faces_ holds the last level as the present bounce reads it
+    int directPiece_ = 1 << 10, bouncePiece_ = 1 << 8;  ///< faces at a time: gl::inPieces
 };
 
 }  // namespace voxcone

@@ -351,7 +351,8 @@ void drawFiguresPanel(Session& session) {
     const float width = ImGui::GetContentRegionAvail().x;
     const auto plot = [&](const char* id, const std::deque<float>& values, float height) {
         const std::vector<float> flat(values.begin(), values.end());
-        ImGui::PlotLines(id, flat.data(), static_cast<int>(flat.size()), 0, nullptr, 0, FLT_MAX, ImVec2(-1, height));
+        ImGui::PlotLines(id, flat.data(), static_cast<int>(flat.size()), 0, nullptr, 0, FLT_MAX,
+                         ImVec2(ImGui::GetContentRegionAvail().x, height));
     };
     plot("##frame", session.history.frame, 2.5f * ImGui::GetFontSize());
     tip("milliseconds of the last frames");
@@ -397,6 +398,16 @@ void drawFiguresPanel(Session& session) {
 }
 
 // ---- Clipmap
+
+/// What a level's voxelization took in the last frames, in milliseconds: the last one that did any, and all.
+void drawLevelCost(const std::deque<float>& milliseconds) {
+    const std::vector<float> flat(milliseconds.begin(), milliseconds.end());
+    const auto last = std::find_if(flat.rbegin(), flat.rend(), [](float ms) { return ms > 0; });
+    const std::string label = last == flat.rend() ? "no update yet" : fmt::format("last update {:.1f} ms", *last);
+    ImGui::PlotHistogram("##milliseconds", flat.data(), static_cast<int>(flat.size()), 0, label.c_str(), 0, FLT_MAX,
+                         ImVec2(ImGui::GetContentRegionAvail().x, 1.6f * ImGui::GetFontSize()));
+    tip("milliseconds that voxelizing this level took in each of the last frames");
+}
 
 void drawClipmapPanel(Session& session) {
     bool frozen = session.frozen();
@@ -449,8 +460,9 @@ void drawClipmapPanel(Session& session) {
             const auto& values = session.history.voxels[i];
             const std::vector<float> flat(values.begin(), values.end());
             ImGui::PlotHistogram("##updates", flat.data(), static_cast<int>(flat.size()), 0, nullptr, 0, FLT_MAX,
-                                 ImVec2(-1, 1.6f * ImGui::GetFontSize()));
+                                 ImVec2(ImGui::GetContentRegionAvail().x, 1.6f * ImGui::GetFontSize()));
             tip("voxels of this level that each of the last frames voxelized");
+            drawLevelCost(session.history.levels[i]);
         }
         ImGui::PopID();
     }
@@ -459,9 +471,8 @@ void drawClipmapPanel(Session& session) {
     std::string line = fmt::format("last update: {} triangles drawn, {} records made, {} levels wait",
                                    last.counts.at("voxel_triangles_drawn"), last.counts.at("voxel_records_made"),
                                    last.counts.at("levels_waiting"));
-    for (const FrameStats::Pass& pass : last.passes)
-        if (pass.name.starts_with("voxelize") || pass.name.starts_with("light"))
-            line += fmt::format("; {} {:.1f} ms", pass.name, pass.milliseconds);
+    for (const FrameStats::Pass& pass : p.updatePasses)
+        line += fmt::format("; {} {:.1f} ms", pass.name, pass.milliseconds);
     dim(line);
 }
 
@@ -552,7 +563,7 @@ void drawSlice(Session& session) {
         ImGui::EndTooltip();
     }
     ImGui::PlotHistogram("##occupancy", histogram.data(), static_cast<int>(histogram.size()), 0, "opacity, 0 to 1", 0,
-                         FLT_MAX, ImVec2(-1, 3 * ImGui::GetFontSize()));
+                         FLT_MAX, ImVec2(ImGui::GetContentRegionAvail().x, 3 * ImGui::GetFontSize()));
     dim(fmt::format("{} of {} voxels of the slice are occupied; histogram of their fullest faces' coverage", occupied,
                     slice.width * slice.height));
 }

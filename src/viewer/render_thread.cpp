@@ -48,6 +48,9 @@ struct RenderThread::Loaded {
 
 namespace {
 
+/// Longest time for a picture, in milliseconds, while light gathers.
+constexpr double kUnsettledMilliseconds = 500;
+
 bool sameExtraction(const Settings::Light& a, const Settings::Light& b) {
     return a.extractEnvironment == b.extractEnvironment && a.extractEmitters == b.extractEmitters;
 }
@@ -83,6 +86,14 @@ bool withoutCones(const View& view) {
     const std::string base = baseChannel(view.channel);
     return base == "albedo" || base == "normal" || base == "depth" || base == "position" || base == "emission" ||
            base == "cascade" || (base.starts_with("voxel_") && view.triangles <= 0);
+}
+
+std::string lightText(const LightProgress& light) {
+    if (light.whole) return "";
+    if (light.levelsLeft > 0)
+        return fmt::format("{} level{} to voxelize", light.levelsLeft, light.levelsLeft == 1 ? "" : "s");
+    if (!light.direct) return fmt::format("direct light {:.0f} %", 100 * light.share);
+    return fmt::format("light {}/{} bounces, {:.0f} %", light.bounces, light.of, 100 * light.share);
 }
 
 RenderThread::RenderThread(std::function<std::unique_ptr<gl::Context>()> makeContext, std::function<void()> wake,
@@ -209,6 +220,11 @@ std::string RenderThread::activity() const {
 double RenderThread::activitySeconds() const {
     const std::scoped_lock lock(mutex_);
     return std::chrono::duration<double>(Clock::now() - activityStart_).count();
+}
+
+LightProgress RenderThread::light() const {
+    const std::scoped_lock lock(mutex_);
+    return light_;
 }
 
 bool RenderThread::idle() const {
@@ -461,13 +477,44 @@ void RenderThread::placeNodes(gl::Context& context, const View& view) {
     if (bounds.min != builtBounds_->min || bounds.max != builtBounds_->max) renderer_.reset();
 }
 
-int RenderThread::firstDivisor(const Settings::Output& output, const gl::Context& context) const {
-    constexpr std::array kDivisors = {1, 2, 4, 8, 16};
-    if (pixelCost_ <= 0) return context.info().softwareRasterizer ? 8 : 1;
+/// That of the largest picture that should take no longer.
+int RenderThread::divisorFor(const Settings::Output& output, const gl::Context& context, double milliseconds) const {
+    constexpr std::array kDivisors = {1, 2, 4, 8, 16, 32};
+    if (pixelCost_ <= 0) return context.info().softwareRasterizer ? 16 : 1;
     const double all = pixelCost_ * output.width * output.height;
     for (const int divisor : kDivisors)
-        if (all / (divisor * divisor) <= motionBudget_) return divisor;
+        if (all / (divisor * divisor) <= milliseconds) return divisor;
     return kDivisors.back();
+}
+
+void RenderThread::tellLight() {
+    const LightProgress light = renderer_->light();
+    {
+        const std::scoped_lock lock(mutex_);
+        light_ = light;
+    }
+    wake_();
+}
+
+/// Frames may be given up, but not what they have done to voxels and light.
+void RenderThread::addUpdate(bool begins) {
+    const ClipmapUpdate update = renderer_->clipmap().update;
+    updated_.all |= update.all;
+    updated_.fixed.insert(updated_.fixed.end(), update.fixed.begin(), update.fixed.end());
+    updated_.moving.insert(updated_.moving.end(), update.moving.begin(), update.moving.end());
+    for (const auto& [level, milliseconds] : renderer_->stats().levelMilliseconds)
+        levelMilliseconds_[level] += milliseconds;
+    for (const FrameStats::Pass& pass : renderer_->stats().passes) {
+        if (!pass.name.starts_with("voxelize") && !pass.name.starts_with("light")) continue;
+        if (std::exchange(begins, false)) updatePasses_.clear();
+        const auto same = std::find_if(updatePasses_.begin(), updatePasses_.end(),
+                                       [&](const FrameStats::Pass& other) { return other.name == pass.name; });
+        if (same == updatePasses_.end()) {
+            updatePasses_.push_back(pass);
+        } else {
+            same->milliseconds += pass.milliseconds;
+        }
+    }
 }
 
 void RenderThread::stage(gl::Context& context, const View& view, std::uint64_t serial) {
@@ -479,10 +526,16 @@ void RenderThread::stage(gl::Context& context, const View& view, std::uint64_t s
         finished_ = true;  // unless all goes well there is nothing more to be tried for this view
     }
     prepareRenderer(context, view);
-    const bool quick = withoutCones(view);
-    const int divisor = first ? (quick ? 1 : firstDivisor(view.settings.output, context)) : std::max(1, divisor_ / 4);
-    finished_ = divisor == 1;
-    Settings::Output output = view.settings.output;
+    const Settings::Output& full = view.settings.output;
+    const bool quick = withoutCones(view), settled = !first && renderer_->light().whole;
+    int divisor = 1;
+    if (!quick) {
+        divisor = first ? divisorFor(full, context, motionBudget_) : std::max(1, divisor_ / 4);
+        // Each bounce makes another picture: they shall cost little beside it.
+        if (!first && !settled)
+            divisor = std::min(divisor_, std::max(divisor, divisorFor(full, context, kUnsettledMilliseconds)));
+    }
+    Settings::Output output = full;
     if (divisor > 1) {
         output.width = (output.width + divisor - 1) / divisor;
         output.height = (output.height + divisor - 1) / divisor;
@@ -493,13 +546,29 @@ void RenderThread::stage(gl::Context& context, const View& view, std::uint64_t s
     renderer_->setTime(view.time);
     if (fresh_ && context.info().softwareRasterizer && !quick) publishSurfaces(view, serial);
     renderer_->setOutput(output);
-    setActivity(fresh_ ? "voxels and light" : finished_ ? "rendering" : fmt::format("rendering 1/{}", divisor));
-    fresh_ = false;
-    // The first stage is finished whatever comes, so that there is always a next picture while the view moves.
-    const auto stop = [this, serial, first] { return quitting_ || (!first && (latest_ != serial || ordered_)); };
-    if (quick) {
-        renderer_->render(view.camera, [] { return true; });
-    } else if (!renderer_->render(view.camera, stop)) {
+    setActivity(fresh_ || (!first && !settled) ? "voxels and light"
+                : divisor == 1                 ? "rendering"
+                                               : fmt::format("rendering 1/{}", divisor));
+    const auto changed = [this, serial] { return latest_ != serial || ordered_; };
+    // The first stage is finished whatever comes, so that there is always a next picture while the view moves. It shows
+    // the light there is; of what is left it does a little, so that light goes on while the view moves. At rest the
+    // next picture waits for a bounce.
+    const auto stop = [this, quick, first, changed] { return quick || quitting_ || (!first && changed()); };
+    const auto deadline = start + std::chrono::duration<double, std::milli>(0.5 * motionBudget_);
+    const LightProgress before = renderer_->light();
+    const auto pause = [&] {
+        tellLight();
+        if (quitting_) return true;
+        if (first) return Clock::now() > deadline;
+        const LightProgress now = renderer_->light();
+        return changed() || now.levelsLeft != before.levelsLeft || now.direct != before.direct ||
+               now.bounces != before.bounces;
+    };
+    const bool whole = renderer_->render(view.camera, stop, pause);
+    addUpdate(std::exchange(fresh_, false) || before.whole);
+    tellLight();
+    finished_ = divisor == 1 && renderer_->light().whole;
+    if (!quick && !whole) {
         finished_ = false;
         return;
     }
@@ -557,9 +626,16 @@ void RenderThread::publish(const View& view, std::uint64_t serial, bool finished
     picture->view = view;
     picture->serial = serial;
     picture->divisor = divisor_;
+    picture->light = renderer_->light();
     picture->finished = finished;
     picture->stats = renderer_->stats();
+    picture->stats.levelMilliseconds = std::exchange(levelMilliseconds_, {});
+    picture->updatePasses = updatePasses_;
     picture->clipmap = renderer_->clipmap();
+    const ClipmapUpdate updated = std::exchange(updated_, {});
+    picture->clipmap.update.all = updated.all;
+    picture->clipmap.update.fixed = updated.fixed;
+    picture->clipmap.update.moving = updated.moving;
     picture->levels = renderer_->levels();
     picture->leftOut = renderer_->leftOut();
     if (latest_ == serial && finished) picture->image = renderer_->channel(view.channel);

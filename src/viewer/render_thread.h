@@ -48,6 +48,9 @@ struct View {
 /// Whether the channel needs voxels and G-buffer alone, without light on the visible surfaces.
 bool withoutCones(const View& view);
 
+/// "light 2/4 bounces, 37 %", "direct light 12 %", "3 levels to voxelize"; empty when it is whole.
+std::string lightText(const LightProgress& light);
+
 /// What the window knows of a scene. `outline` has neither triangles nor images.
 struct SceneFacts {
     std::filesystem::path file;  ///< what was opened: scene or capture script
@@ -65,12 +68,14 @@ struct SceneFacts {
 struct Picture {
     std::shared_ptr<const gl::Texture> texture;  ///< RGBA8, sRGB encoded, row 0 at the bottom
     View view;
-    std::uint64_t serial = 0;  ///< of the view: RenderThread::show
-    int divisor = 1;           ///< the finished picture's size over that of this one
-    bool finished = false;     ///< exactly what a capture of the view gives
-    bool surfaces = false;     ///< albedo alone, until there is light
-    FrameStats stats;
-    ClipmapState clipmap;
+    std::uint64_t serial = 0;                    ///< of the view: RenderThread::show
+    int divisor = 1;                             ///< the finished picture's size over that of this one
+    bool finished = false;                       ///< exactly what a capture of the view gives
+    LightProgress light;                         ///< that the picture shows
+    bool surfaces = false;                       ///< albedo alone, until there is light
+    FrameStats stats;                            ///< of the last frame; levelMilliseconds since the picture before
+    ClipmapState clipmap;                        ///< with what was voxelized since the picture before
+    std::vector<FrameStats::Pass> updatePasses;  ///< of the last update of voxels and light, all frames that it took
     std::vector<Renderer::Level> levels;
     std::vector<LeftOut> leftOut;
     double milliseconds = 0;  ///< from taking up the view's stage to the finished texture
@@ -113,8 +118,8 @@ class RenderThread {
     };
     /// Does `job` once the finished picture of the last view that was shown is on the device. Errors become messages.
     void afterPicture(std::function<void(Desk&)> job);
-    /// Does `job` as soon as possible: voxels and their light are whole, the frame's channels are not. It must not
-    /// render.
+    /// Does `job` as soon as possible: voxels have the light there is so far, the frame's channels are not whole. It
+    /// must not render.
     void now(std::function<void(Desk&)> job);
     /// Hands `result` to the window's thread: takeResults() runs it.
     void deliver(std::function<void()> result);
@@ -130,6 +135,7 @@ class RenderThread {
     std::uint64_t sceneSerial() const;  ///< how often a scene was opened
     std::string activity() const;       ///< "loading …", "voxels and light", "picture 1/4"; empty when idle
     double activitySeconds() const;     ///< how long that has been going on
+    LightProgress light() const;        ///< how far the light of the voxels has come
     bool idle() const;                  ///< nothing is left to be done
     std::vector<Message> takeMessages();
 
@@ -150,7 +156,9 @@ class RenderThread {
     void publish(const View& view, std::uint64_t serial, bool finished, Clock::time_point start);
     void publishSurfaces(const View& view, std::uint64_t serial);
     void publishFacts(gl::Context& context, bool opened);
-    int firstDivisor(const Settings::Output& output, const gl::Context& context) const;
+    int divisorFor(const Settings::Output& output, const gl::Context& context, double milliseconds) const;
+    void tellLight();
+    void addUpdate(bool begins);
     void setActivity(const std::string& text);
     void tell(const std::string& text, bool error);
 
@@ -172,6 +180,7 @@ class RenderThread {
     std::string activity_;
     std::exception_ptr failure_;  ///< a bug that ended the thread
     Clock::time_point activityStart_;
+    LightProgress light_;
     bool idle_ = true;
     std::atomic<std::uint64_t> latest_{0};  ///< serial_, to be asked within a frame
     std::atomic<bool> quitting_{false};     ///< quit_, to be asked within a frame
@@ -188,7 +197,10 @@ class RenderThread {
     std::uint64_t shown_ = 0;  ///< view that is being refined
     int divisor_ = 0;          ///< of its last stage; 0 before the first
     bool finished_ = false;
-    bool fresh_ = true;     ///< the renderer has no voxels yet
+    bool fresh_ = true;      ///< the renderer has no voxels yet
+    ClipmapUpdate updated_;  ///< since the last picture
+    std::map<int, double> levelMilliseconds_;
+    std::vector<FrameStats::Pass> updatePasses_;
     double pixelCost_ = 0;  ///< milliseconds a pixel, of the passes that each pixel has
     std::unique_ptr<class Presenter> presenter_;
 

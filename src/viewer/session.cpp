@@ -70,12 +70,16 @@ void CostHistory::add(const Picture& picture) {
     keepLast(frame, static_cast<float>(picture.stats.frameMilliseconds), kFrames);
     if (!picture.clipmap.update.empty()) lastUpdate = picture.stats;
     voxels.resize(static_cast<std::size_t>(std::max(picture.clipmap.layout.levels, 0)));
+    levels.resize(voxels.size());
     for (std::size_t level = 0; level < voxels.size(); ++level) {
         long long sum = 0;
         for (const auto* regions : {&picture.clipmap.update.fixed, &picture.clipmap.update.moving})
             for (const Region& region : *regions)
                 if (region.level == static_cast<int>(level) && !picture.clipmap.update.all) sum += region.box.volume();
         keepLast(voxels[level], static_cast<float>(sum), kFrames);
+        const auto& cost = picture.stats.levelMilliseconds;
+        const auto found = cost.find(static_cast<int>(level));
+        keepLast(levels[level], found == cost.end() ? 0.0f : static_cast<float>(found->second), kFrames);
     }
 }
 
@@ -490,6 +494,7 @@ void Session::updateOther(const View& shown) {
 void Session::watchPicture() {
     flicker.update();
     if (flicker.watched == Watched::none || !picture || picture == watched_ || !picture->watched) return;
+    if (!picture->light.whole) return;  // light that is being gathered is no flicker
     // Other settings are no change from frame to frame; what moves by itself is.
     if (watched_ && !sameSettings(watched_->view.settings, picture->view.settings)) flicker.clear();
     watched_ = picture;
@@ -514,6 +519,7 @@ void Session::askSlice() {
     const std::uint64_t serial = ++sliceSerial_;
     slicePicture_ = picture->serial;
     sliceBounce_ = bounce;
+    sliceSettled_ = picture->finished;
     thread.now([this, axis, depth, at, bounce, serial](RenderThread::Desk& desk) {
         auto read = std::make_shared<VoxelSlice>(desk.renderer.voxelSlice(at, axis, depth, bounce));
         thread.deliver([this, read, serial] {

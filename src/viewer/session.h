@@ -39,7 +39,8 @@ struct CostHistory {
     std::deque<float> frame;                          ///< milliseconds of the device
     /// By level: voxels that were voxelized anew in each of the frames, but for those that began everything anew.
     std::vector<std::deque<float>> voxels;
-    FrameStats lastUpdate;  ///< of the last frame that voxelized anything
+    std::vector<std::deque<float>> levels;  ///< milliseconds that this took, likewise, of the first frames too
+    FrameStats lastUpdate;                  ///< of the last frame that voxelized anything
     void add(const Picture& picture);
 };
 
@@ -213,9 +214,9 @@ struct Session {
     /// Asks for the slice that the controls say.
     void askSlice();
     bool slicePending() const { return sliceAnswered_ != sliceSerial_; }
-    /// The slice shows voxels as they were for an earlier view, or other light.
+    /// The slice shows voxels as they were for an earlier view, before their light was whole, or other light.
     bool sliceStale() const {
-        return (picture && picture->finished && slicePicture_ != picture->serial) ||
+        return (picture && picture->finished && (slicePicture_ != picture->serial || !sliceSettled_)) ||
                sliceBounce_ != voxelChannel().bounce;
     }
 
@@ -315,6 +316,7 @@ struct Session {
     std::uint64_t sliceSerial_ = 0;   ///< of the last slice that was asked for
     std::uint64_t slicePicture_ = 0;  ///< serial of the view that it shows
     int sliceBounce_ = -1;            ///< whose light it shows
+    bool sliceSettled_ = false;       ///< with whole light
     std::uint64_t shownSerial_ = 0;
     Clock::time_point placeChanged_;
     glm::ivec2 place_{0}, lastPlace_{0};

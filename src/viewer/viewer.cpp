@@ -137,7 +137,9 @@ void Viewer::post(const Event& event) {
 // ---- Events
 
 bool Viewer::turn(double seconds) {
-    const bool busy = !events_.empty() || redraw_ > 0 || !down_.empty() || session_.animated() || woken_;
+    // A minimised window keeps what is to be drawn for later.
+    const bool draws = redraw_ > 0 && !window_.minimized();
+    const bool busy = !events_.empty() || draws || !down_.empty() || session_.animated() || woken_;
     for (Event& event : window_.wait(busy ? 1e-3 : seconds)) events_.push_back(std::move(event));
     ++turns_;
     const auto now = Clock::now();
@@ -208,6 +210,8 @@ void Viewer::handle(const Event& event) {
             break;
         case Event::Type::drop:
             drop(event.files);
+            break;
+        case Event::Type::refresh:  // any event draws
             break;
         case Event::Type::focus:
             // Releases that go elsewhere are never seen.
@@ -678,6 +682,7 @@ void Viewer::drawStatus() {
         line += ", " + activity + (seconds > 1 ? fmt::format(" {:.0f} s", seconds) : "");
     }
     ImGui::TextUnformatted(line.c_str());
+    drawLightProgress();
     if (!session_.messages.empty() && Clock::now() - session_.messageTime < std::chrono::seconds(15)) {
         const Message& last = session_.messages.back();
         ImGui::SameLine();
@@ -687,6 +692,21 @@ void Viewer::drawStatus() {
     }
     ImGui::End();
     ImGui::PopStyleVar(2);
+}
+
+/// How much light is still to come, in words and as a bar.
+void Viewer::drawLightProgress() {
+    const LightProgress light = thread_.light();
+    if (light.whole) return;
+    ImGui::SameLine(0, 0);
+    ImGui::TextUnformatted((", " + lightText(light)).c_str());
+    // Of all steps: direct light, and each bounce.
+    const double steps = light.direct ? 1 + light.bounces + light.share : light.share;
+    const double share = light.levelsLeft > 0 ? 0 : std::min(steps / (1 + light.of), 1.0);
+    ImGui::SameLine();
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(0, 0));
+    ImGui::ProgressBar(static_cast<float>(share), ImVec2(6 * ImGui::GetFontSize(), ImGui::GetFontSize()), "");
+    ImGui::PopStyleVar();
 }
 
 void Viewer::drawOpenDialog() {

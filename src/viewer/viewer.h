@@ -78,6 +78,7 @@ class Viewer {
     void drawMenu();
     void drawSideBar();
     void drawStatus();
+    void drawLightProgress();
     void drawPicture();
     void drawOverlays();
     void drawLevels(const Projection& projection);

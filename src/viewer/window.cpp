@@ -98,6 +98,7 @@ Window::Window(int width, int height, const std::string& title, bool debug) : de
     });
     glfwSetWindowFocusCallback(
         window_, [](GLFWwindow* window, int focused) { kAdd(window, Event::Type::focus).code = focused; });
+    glfwSetWindowRefreshCallback(window_, [](GLFWwindow* window) { kAdd(window, Event::Type::refresh); });
     vsync(true);
 }
 

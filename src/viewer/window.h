@@ -17,7 +17,7 @@ namespace voxcone {
 
 /// One thing that the user did. Keys, buttons, actions and modifiers are GLFW's.
 struct Event {
-    enum class Type : int { key, character, cursor, button, scroll, drop, focus };
+    enum class Type : int { key, character, cursor, button, scroll, drop, focus, refresh };
     Type type = Type::key;
     int code = 0;    ///< key or button; 1 or 0 for focus gained or lost
     int action = 0;  ///< GLFW_PRESS, GLFW_RELEASE, GLFW_REPEAT
@@ -25,6 +25,7 @@ struct Event {
     std::uint32_t character = 0;
     glm::dvec2 position{0};  ///< cursor: screen coordinates from the upper left corner; scroll: offsets
     std::vector<std::filesystem::path> files;  ///< dropped
+    // refresh: what the window showed is lost, as after it was restored or uncovered.
 };
 
 /// Lives on the main thread, as GLFW demands; only the shared context goes to another.

@@ -16,6 +16,7 @@
 
 #include "capture/capture.h"
 #include "capture/output.h"
+#include "display_density.h"
 #include "gl/context.h"
 #include "metric/flip.h"
 #include "metric/heatmap.h"
@@ -493,6 +494,16 @@ TEST_F(ViewerTest, FollowsTheWindowsSizeAndSurvivesMinimising) {
     turns(5);
     viewer().window().minimize(false);
     turns(5);
+    // What was uncovered is drawn again, and then no more.
+    ASSERT_TRUE(turnUntil([&, drawn = std::uint64_t{0}]() mutable {
+        return std::exchange(drawn, viewer().drawn()) == viewer().drawn();
+    }));
+    const std::uint64_t drawn = viewer().drawn();
+    Event uncovered;
+    uncovered.type = Event::Type::refresh;
+    viewer().post(uncovered);
+    turns(1);
+    EXPECT_GT(viewer().drawn(), drawn);
     viewer().window().resize(900, 600);
     ASSERT_TRUE(turnUntil([&] { return viewer().window().framebufferSize() == glm::ivec2(900, 600); }));
     session().followWindow = false;
@@ -1290,6 +1301,156 @@ TEST_F(ViewerTest, AnswersWhileItRenders) {
                 static_cast<unsigned long long>(pictures));
     EXPECT_GE(gaps.size(), 40u) << "ten turns a second";
     EXPECT_GE(pictures, 2u);
+}
+
+/// Times from an event to the first picture that shows it, and between turns, for a script that is opened.
+struct Delays {
+    std::vector<double> camera, light, gaps;  ///< seconds, sorted
+    bool unsettledFinished = false;           ///< a picture was called finished before its light was whole
+    std::size_t unsettled = 0;                ///< pictures whose light was not whole
+};
+
+double quantile(const std::vector<double>& sorted, double share) {
+    return sorted.empty() ? 0
+                          : sorted[std::min(sorted.size() - 1,
+                                            static_cast<std::size_t>(share * static_cast<double>(sorted.size())))];
+}
+
+/// Moves the light (`lights` times) or the camera, each time when a picture shows the last move, for `seconds`.
+class Following : public ViewerTest {
+  protected:
+    Delays follow(double seconds, int lights) {
+        Delays delays;
+        auto last = session().picture;
+        auto before = Clock::now();
+        const auto turn = [&] {
+            viewer().turn(0.01);
+            const auto now = Clock::now();
+            delays.gaps.push_back(std::chrono::duration<double>(now - before).count());
+            before = now;
+            if (session().picture == last) return;
+            last = session().picture;
+            if (!last->light.whole) ++delays.unsettled;
+            if (!last->light.whole && last->finished) delays.unsettledFinished = true;
+        };
+        const auto until = [&](const std::function<bool()>& shown, std::vector<double>& into) {
+            const auto start = Clock::now();
+            while (!shown() && Clock::now() - start < std::chrono::seconds(60)) turn();
+            into.push_back(std::chrono::duration<double>(Clock::now() - start).count());
+        };
+        const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+        for (int i = 0; i < lights || Clock::now() < end; ++i) {
+            if (i < lights) {
+                session().moveLight(0, *session().lightPosition(0) + glm::dvec3(0.05, 0, 0));
+                until([&] { return last->view.lights == session().lights; }, delays.light);
+            }
+            moveTo(inPicture(0.5, 0.5));
+            turn();
+            press(GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS);
+            turn();
+            for (int j = 1; j <= 4; ++j) {
+                moveTo(inPicture(0.5 + 0.01 * j, 0.5));
+                turn();
+                const glm::dvec3 wanted = session().camera.camera().position;
+                until([&] { return last->view.camera.position == wanted; }, delays.camera);
+            }
+            press(GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE);
+            turn();
+        }
+        for (auto* values : {&delays.camera, &delays.light, &delays.gaps}) std::sort(values->begin(), values->end());
+        std::printf(
+            "camera to picture: median %.0f ms, worst %.0f ms of %zu; light to picture: median %.0f ms, worst %.0f ms "
+            "of %zu; %zu turns: median %.0f ms, 95 %% below %.0f ms, worst %.0f ms; 1/%d of the size, %s\n",
+            1e3 * quantile(delays.camera, 0.5), 1e3 * quantile(delays.camera, 1), delays.camera.size(),
+            1e3 * quantile(delays.light, 0.5), 1e3 * quantile(delays.light, 1), delays.light.size(), delays.gaps.size(),
+            1e3 * quantile(delays.gaps, 0.5), 1e3 * quantile(delays.gaps, 0.95), 1e3 * quantile(delays.gaps, 1),
+            last->divisor, lightText(last->light).c_str());
+        return delays;
+    }
+};
+
+// While bounces are gathered that take seconds, each move of camera and light has its picture.
+TEST_F(Following, PicturesFollowWhileLightGathers) {
+    Settings slow = session().settings.now();
+    slow.voxel.resolution = 32;
+    slow.light.bounces = 8;
+    slow.light.bounceCones = 9;
+    slow.light.tolerance = 0;
+    session().settings.change(slow, "slow");
+    session().lights[1].intensity *= 2;
+    turns(2);
+    ASSERT_TRUE(turnUntil([&] { return session().picture->view.settings.light.bounces == 8; }));
+    const Delays delays = follow(1, 2);
+    EXPECT_FALSE(delays.unsettledFinished);
+    EXPECT_GT(delays.unsettled, 2u) << "pictures while light gathers";
+    ASSERT_TRUE(settle());
+    EXPECT_TRUE(session().picture->light.whole);
+    EXPECT_EQ(session().picture->stats.counts.at("light_bounces"), 8u);
+    // The finished picture after all of that is the capture's.
+    const fs::path window = screenshot();
+    key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+    ASSERT_TRUE(lastMessage().starts_with("wrote ")) << lastMessage();
+    expectSamePictures(window, capture(lastMessage().substr(6)));
+}
+
+// Figures of docs/viewer.md; takes a minute.
+TEST_F(Following, DISABLED_CornellAtDefaultSettings) {
+    json script = json::parse(std::ifstream(VOXCONE_SOURCE_DIR "/assets/captures/cornell.json"));
+    script["scene"] = VOXCONE_SOURCE_DIR "/assets/scenes/cornell.gltf";
+    script["settings"]["output"]["width"] = 640;
+    script["settings"]["output"]["height"] = 360;
+    std::ofstream(folder() / "cornell.json") << script.dump(1);
+    const std::uint64_t before = session().sceneSerial;
+    session().thread.open(folder() / "cornell.json");
+    ASSERT_TRUE(turnUntil([&] {
+        return session().sceneSerial > before && session().picture->view.scene > before && !session().picture->surfaces;
+    }));
+    const Delays delays = follow(30, 5);
+    EXPECT_FALSE(delays.unsettledFinished);
+    EXPECT_LT(quantile(delays.gaps, 0.95), 0.1) << "ten turns a second";
+}
+
+/// The same window on a display of 192 dots an inch.
+class HighDensity : public ViewerTest {
+  protected:
+    static std::unique_ptr<DisplayDensity>& density() {
+        static std::unique_ptr<DisplayDensity> density;
+        return density;
+    }
+    static void SetUpTestSuite() {
+        density() = std::make_unique<DisplayDensity>(192);
+        ViewerTest::SetUpTestSuite();
+    }
+    static void TearDownTestSuite() {
+        ViewerTest::TearDownTestSuite();
+        density().reset();
+    }
+};
+
+TEST_F(HighDensity, ControlsGrowAndPicturesStay) {
+    EXPECT_EQ(viewer().window().contentScale(), 2);
+    EXPECT_GE(viewer().pictureRect().low.y, 2 * 19);
+    EXPECT_EQ(viewer().pictureRect().size, glm::dvec2(200, 112)) << "whole pixels beside the side bar";
+    const Image png = readImage(screenshot().string() + ".png");
+    turns(3);
+    const Image window = viewer().readWindow();
+    const glm::ivec2 low(viewer().pictureRect().low);
+    float worst = 0;
+    for (int y = 0; y < png.height; ++y)
+        for (int x = 0; x < png.width; ++x)
+            for (int c = 0; c < 3; ++c)
+                worst = std::max(worst, std::abs(static_cast<float>(srgbFromLinear(png.pixel(x, y)[c])) -
+                                                 window.pixel(low.x + x, low.y + y)[c]));
+    EXPECT_LT(worst, 1.5f / 255);
+    const Camera before = session().camera.camera();
+    drag(GLFW_MOUSE_BUTTON_LEFT, inPicture(0.5, 0.5), inPicture(0.7, 0.5));
+    EXPECT_NE(session().camera.camera().position, before.position);
+    for (Panel& panel : viewer().panels()) panel.open = true;
+    turns(3);
+    ASSERT_TRUE(settle());
+    const fs::path moved = screenshot();
+    key(GLFW_KEY_S, GLFW_MOD_CONTROL);
+    expectSamePictures(moved, capture(lastMessage().substr(6)));
 }
 
 TEST_F(ViewerTest, SettingsThatTheDeviceRefusesAreToldAndTakenBack) {

@@ -564,17 +564,17 @@ void RenderThread::stage(gl::Context& context, const View& view, std::uint64_t s
         return changed() || now.levelsLeft != before.levelsLeft || now.direct != before.direct ||
                now.bounces != before.bounces;
     };
-    const bool whole = renderer_->render(view.camera, stop, pause);
+    const bool drawn = renderer_->render(view.camera, stop, pause);
     addUpdate(std::exchange(fresh_, false) || before.whole);
     tellLight();
     finished_ = divisor == 1 && renderer_->light().whole;
-    if (!quick && !whole) {
+    if (!quick && !drawn) {
         finished_ = false;
         return;
     }
     divisor_ = divisor;
-    const bool whole = finished_ && !stale_;
-    if (quick) return publish(view, serial, whole, start);
+    const bool published = finished_ && !stale_;
+    if (quick) return publish(view, serial, published, start);
     double perPixel = 0;
     for (const FrameStats::Pass& pass : renderer_->stats().passes) {
         const std::string& name = pass.name;
@@ -582,7 +582,7 @@ void RenderThread::stage(gl::Context& context, const View& view, std::uint64_t s
     }
     const double pixels = static_cast<double>(output.width) * output.height * output.supersample * output.supersample;
     pixelCost_ = std::max(perPixel, 1e-3) / pixels;
-    publish(view, serial, whole, start);
+    publish(view, serial, published, start);
 }
 
 /// A software rasteriser gathers light for many seconds: the surfaces say meanwhile what was opened.

@@ -1,11 +1,12 @@
 // What was moved by hand in the window, and the way back. Plain data, no window.
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <vector>
 
 #include "scene/placement.h"
+#include "viewer/settings_history.h"
 
 namespace voxcone {
 
@@ -16,24 +17,24 @@ struct Edits {
     bool operator==(const Edits&) const = default;
 };
 
-/// Undo and redo of edits. Steps know how many of the settings' steps came before, so that both can be taken back in
-/// turn.
+/// Undo and redo of edits. Steps are numbered together with those of the settings.
 class EditHistory {
   public:
     const Edits& now() const { return now_; }
     /// Begins anew: there is nothing to undo.
     void begin(Edits edits);
-    /// A step, if anything has changed. `settingsSteps`: SettingsHistory::steps().
-    void commit(const Edits& edits, std::size_t settingsSteps);
+    /// A step, if anything has changed.
+    void commit(const Edits& edits);
     /// Changes without a step: lights that were extracted anew.
     void replace(Edits edits) { now_ = std::move(edits); }
 
-    /// Whether the last step, or the one that comes again, is one of these and not of the settings.
-    bool canUndo(std::size_t settingsSteps) const {
-        return !past_.empty() && past_.back().settingsSteps >= settingsSteps;
+    /// Whether the last step of all, or the first that comes again, is one of these and not of the settings.
+    bool canUndo(const SettingsHistory& settings) const {
+        return !past_.empty() && past_.back().number > settings.lastStep();
     }
-    bool canRedo(std::size_t settingsSteps) const {
-        return !future_.empty() && future_.back().settingsSteps <= settingsSteps;
+    bool canRedo(const SettingsHistory& settings) const {
+        const std::uint64_t other = settings.comingStep();
+        return !future_.empty() && (other == kNoStep || future_.back().number < other);
     }
     void undo();
     void redo();
@@ -41,7 +42,7 @@ class EditHistory {
   private:
     struct Step {
         Edits edits;
-        std::size_t settingsSteps;
+        std::uint64_t number;
     };
     static constexpr std::size_t kMost = 200;
 

@@ -671,7 +671,7 @@ void Session::applyPresetByName(const std::string& nameOrFile) {
 
 void Session::undo() {
     rememberEdits();
-    if (edits_.canUndo(settings.steps())) {
+    if (edits_.canUndo(settings)) {
         edits_.undo();
         takeEdits();
     } else if (settings.canUndo()) {
@@ -681,7 +681,7 @@ void Session::undo() {
 
 void Session::redo() {
     rememberEdits();
-    if (edits_.canRedo(settings.steps())) {
+    if (edits_.canRedo(settings)) {
         edits_.redo();
         takeEdits();
     } else if (settings.canRedo()) {

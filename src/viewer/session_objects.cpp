@@ -175,7 +175,7 @@ void Session::takeLights(const std::vector<Light>& from) {
 }
 
 void Session::rememberEdits() {
-    if (!dragging) edits_.commit({lights, placed}, settings.steps());
+    if (!dragging) edits_.commit({lights, placed});
 }
 
 void Session::takeEdits() {

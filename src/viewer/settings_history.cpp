@@ -1,5 +1,7 @@
 #include "viewer/settings_history.h"
 
+#include <atomic>
+
 #include "core/check.h"
 
 namespace voxcone {
@@ -23,6 +25,11 @@ bool sameSettings(const Settings& a, const Settings& b) {
     return true;
 }
 
+std::uint64_t newStep() {
+    static std::atomic<std::uint64_t> steps{0};
+    return ++steps;
+}
+
 void SettingsHistory::begin(const Settings& settings) {
     *this = SettingsHistory(settings);
 }
@@ -30,11 +37,8 @@ void SettingsHistory::begin(const Settings& settings) {
 void SettingsHistory::change(const Settings& settings, const std::string& what, bool held) {
     if (sameSettings(settings, now_)) return;
     const bool sameStep = held_ && held && !past_.empty() && past_.back().what == what;
-    if (!sameStep) past_.push_back({now_, what});
-    if (past_.size() > kMost) {
-        past_.erase(past_.begin());
-        ++dropped_;
-    }
+    if (!sameStep) past_.push_back({now_, what, newStep()});
+    if (past_.size() > kMost) past_.erase(past_.begin());
     future_.clear();
     now_ = settings;
     held_ = held;
@@ -44,7 +48,7 @@ void SettingsHistory::undo() {
     VOXCONE_CHECK(canUndo(), "nothing to undo");
     Step step = std::move(past_.back());
     past_.pop_back();
-    future_.push_back({now_, step.what});
+    future_.push_back({now_, step.what, step.number});
     now_ = step.settings;
     held_ = false;
 }
@@ -53,7 +57,7 @@ void SettingsHistory::redo() {
     VOXCONE_CHECK(canRedo(), "nothing to redo");
     Step step = std::move(future_.back());
     future_.pop_back();
-    past_.push_back({now_, step.what});
+    past_.push_back({now_, step.what, step.number});
     now_ = step.settings;
     held_ = false;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,10 @@ namespace voxcone {
 
 /// Whether all fields are equal.
 bool sameSettings(const Settings& a, const Settings& b);
+
+/// Numbers of steps, of all histories together, so that they can be taken back in turn; rising from 1.
+std::uint64_t newStep();
+constexpr std::uint64_t kNoStep = 0;
 
 /// Undo and redo. A drag of one control is one step, however many values it passes.
 class SettingsHistory {
@@ -33,8 +38,9 @@ class SettingsHistory {
 
     bool canUndo() const { return !past_.empty(); }
     bool canRedo() const { return !future_.empty(); }
-    /// Steps that led to the present settings, those too that can no longer be undone.
-    std::size_t steps() const { return dropped_ + past_.size(); }
+    /// Numbers of the steps that undo and redo would take.
+    std::uint64_t lastStep() const { return past_.empty() ? kNoStep : past_.back().number; }
+    std::uint64_t comingStep() const { return future_.empty() ? kNoStep : future_.back().number; }
     /// What the next undo or redo takes back or brings again.
     const std::string& undoName() const { return past_.back().what; }
     const std::string& redoName() const { return future_.back().what; }
@@ -46,12 +52,12 @@ class SettingsHistory {
     struct Step {
         Settings settings;
         std::string what;
+        std::uint64_t number;
     };
     static constexpr std::size_t kMost = 200;
 
     Settings now_, reset_;
     std::vector<Step> past_, future_;
-    std::size_t dropped_ = 0;
     bool held_ = false;
 };
 

@@ -60,12 +60,12 @@ TEST(EditHistory, MovesAndSettingsAreTakenBackInTheirOrder) {
     Edits scene;
     scene.lights.resize(1);
     edits.begin(scene);
-    edits.commit(scene, settings.steps());
-    EXPECT_FALSE(edits.canUndo(settings.steps())) << "nothing has changed";
+    edits.commit(scene);
+    EXPECT_FALSE(edits.canUndo(settings)) << "nothing has changed";
 
     const auto move = [&](double x) {
         scene.placed[3].translation = glm::dvec3(x, 0, 0);
-        edits.commit(scene, settings.steps());
+        edits.commit(scene);
     };
     Settings changed = settings.now();
     move(1);
@@ -73,27 +73,27 @@ TEST(EditHistory, MovesAndSettingsAreTakenBackInTheirOrder) {
     settings.change(changed, "cone.gain");
     move(2);
     // Back: the second move, the setting, the first move.
-    ASSERT_TRUE(edits.canUndo(settings.steps()));
+    ASSERT_TRUE(edits.canUndo(settings));
     edits.undo();
     EXPECT_EQ(edits.now().placed.at(3).translation->x, 1);
-    EXPECT_FALSE(edits.canUndo(settings.steps()));
+    EXPECT_FALSE(edits.canUndo(settings));
     settings.undo();
-    ASSERT_TRUE(edits.canUndo(settings.steps()));
+    ASSERT_TRUE(edits.canUndo(settings));
     edits.undo();
     EXPECT_TRUE(edits.now().placed.empty());
-    EXPECT_FALSE(edits.canUndo(settings.steps()));
+    EXPECT_FALSE(edits.canUndo(settings));
     // And forth.
-    ASSERT_TRUE(edits.canRedo(settings.steps()));
+    ASSERT_TRUE(edits.canRedo(settings));
     edits.redo();
-    EXPECT_FALSE(edits.canRedo(settings.steps()));
+    EXPECT_FALSE(edits.canRedo(settings));
     settings.redo();
-    ASSERT_TRUE(edits.canRedo(settings.steps()));
+    ASSERT_TRUE(edits.canRedo(settings));
     edits.redo();
     EXPECT_EQ(edits.now(), scene);
     // A new move ends what could come again.
     edits.undo();
     move(5);
-    EXPECT_FALSE(edits.canRedo(settings.steps()));
+    EXPECT_FALSE(edits.canRedo(settings));
 }
 
 TEST(SettingsHistory, EveryFieldIsComparedAndCopied) {

@@ -1023,6 +1023,7 @@ TEST_F(ViewerTest, TwoSettingsAreRenderedSideBySide) {
     session().settings.change(b, "B");
     drag(GLFW_MOUSE_BUTTON_LEFT, inPicture(0.5, 0.5), inPicture(0.6, 0.5));
     session().lights[1].position.x += 0.3;
+    const std::vector<Light> lights = session().lights;
     const auto both = [&] { return turnUntil([&] { return session().settled() && session().other->settled(); }); };
     turns(1);
     ASSERT_TRUE(both());
@@ -1041,6 +1042,7 @@ TEST_F(ViewerTest, TwoSettingsAreRenderedSideBySide) {
     EXPECT_GT(session().otherToPresent.errors()->linear.relMse, 0);
     session().releaseHeld();
     // A is left of the split, B right of it.
+    ASSERT_TRUE(turnUntil([&] { return session().flashes.empty(); }));
     turns(3);
     const Image shown = viewer().readWindow();
     for (const double x : {0.3, 0.7}) {
@@ -1063,10 +1065,14 @@ TEST_F(ViewerTest, TwoSettingsAreRenderedSideBySide) {
     EXPECT_TRUE(session().controlsOther);
     for (Panel& panel : viewer().panels()) panel.open = std::string(panel.name) == "Comparison";
     draws(3);
-    // Each tree has its own way back.
+    // Each tree has its own way back, in turn with what was moved since.
+    key(GLFW_KEY_Z, GLFW_MOD_CONTROL);
+    EXPECT_NE(session().lights, lights);
+    EXPECT_TRUE(sameSettings(session().settingsB(), b));
     key(GLFW_KEY_Z, GLFW_MOD_CONTROL);
     EXPECT_TRUE(sameSettings(session().settingsB(), a));
-    key(GLFW_KEY_Y, GLFW_MOD_CONTROL);
+    for (int i = 0; i < 2; ++i) key(GLFW_KEY_Y, GLFW_MOD_CONTROL);
+    EXPECT_EQ(session().lights, lights);
     session().endOther(true);
     EXPECT_EQ(session().other, nullptr);
     EXPECT_FALSE(session().controlsOther);

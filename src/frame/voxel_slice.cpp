@@ -32,6 +32,16 @@ glm::ivec3 VoxelSlice::index(int u, int v) const {
     return i;
 }
 
+void Occupancy::add(const VoxelSlice& slice) {
+    voxels += slice.voxels.size();
+    const auto bins = static_cast<float>(histogram.size());
+    for (const VoxelFacts& voxel : slice.voxels) {
+        if (!voxel.occupied) continue;
+        ++occupied;
+        ++histogram[static_cast<std::size_t>(std::clamp(bins * voxel.opacity(), 0.0f, bins - 1))];
+    }
+}
+
 VoxelSlicer::VoxelSlicer(const gl::ShaderLibrary& shaders, const Voxels& voxels)
     : program_(shaders.compute("frame/voxel_slice.comp", {{"LAYERS", voxels.anyMoving() ? "2" : "1"}})) {}
 

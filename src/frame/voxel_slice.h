@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "cone/cone_uniforms.h"
@@ -32,6 +33,13 @@ struct VoxelSlice {
         return voxels[static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u)];
     }
     glm::ivec3 index(int u, int v) const;
+};
+
+/// How full voxels are.
+struct Occupancy {
+    std::uint64_t voxels = 0, occupied = 0;
+    std::array<std::uint64_t, 20> histogram{};  ///< occupied ones by opacity, 0 to 1
+    void add(const VoxelSlice& slice);
 };
 
 /// Reads the slice of a level or mip that lies `depth` voxels above the lower side of its window.

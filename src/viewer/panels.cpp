@@ -348,6 +348,13 @@ void drawFiguresPanel(Session& session) {
     dim(fmt::format("{} sample{} a pixel; {} cones diffuse", n, n == 1 ? "" : "s", p.view.settings.cone.diffuse));
     dim(fmt::format("{:.1f} ms on the device (timer: {}), {:.1f} ms in all", p.stats.frameMilliseconds, p.stats.timer,
                     p.milliseconds));
+    ImGui::Checkbox("count samples", &session.countSamples);
+    tip("what the cones of a finished picture look at: voxels of near fields and steps beyond. Counting gathers it "
+        "again");
+    if (session.countSamples && session.samplesPerPixel && session.samplesSerial == p.serial) {
+        ImGui::SameLine();
+        text(fmt::format("{:.1f} a pixel", *session.samplesPerPixel));
+    }
     const float width = ImGui::GetContentRegionAvail().x;
     const auto plot = [&](const char* id, const std::deque<float>& values, float height) {
         const std::vector<float> flat(values.begin(), values.end());
@@ -506,6 +513,15 @@ ImVec4 sliceColor(const VoxelFacts& voxel, const VoxelChannel& channel, float ex
     return {shown(mean.x), shown(mean.y), shown(mean.z), 1};
 }
 
+void drawOccupancy(const Occupancy& occupancy, const std::string& of) {
+    const std::vector<float> bins(occupancy.histogram.begin(), occupancy.histogram.end());
+    ImGui::PlotHistogram(("##occupancy of " + of).c_str(), bins.data(), static_cast<int>(bins.size()), 0,
+                         "opacity, 0 to 1", 0, FLT_MAX,
+                         ImVec2(ImGui::GetContentRegionAvail().x, 3 * ImGui::GetFontSize()));
+    dim(fmt::format("{} of {} voxels of {} are occupied; histogram of their fullest faces' coverage",
+                    occupancy.occupied, occupancy.voxels, of));
+}
+
 void drawSlice(Session& session) {
     const ClipmapState& clipmap = session.picture->clipmap;
     const int level = std::clamp(session.level, 0, clipmap.layout.count() - 1);
@@ -530,15 +546,10 @@ void drawSlice(Session& session) {
     list.AddRectFilled(corner, ImVec2(corner.x + size.x, corner.y + size.y), 0xff181818);
     const auto exposure = static_cast<float>(std::exp2(session.settings.now().output.exposure));
     const VoxelChannel channel = session.voxelChannel();
-    std::array<float, 20> histogram{};
-    int occupied = 0;
     for (int v = 0; v < slice.height; ++v) {
         for (int u = 0; u < slice.width; ++u) {
             const VoxelFacts& voxel = slice.at(u, v);
             if (!voxel.occupied) continue;
-            ++occupied;
-            const auto bin = static_cast<std::size_t>(std::clamp(20 * voxel.opacity(), 0.0f, 19.0f));
-            ++histogram[bin];
             // v grows upwards.
             const ImVec2 low(corner.x + edge * static_cast<float>(u),
                              corner.y + edge * static_cast<float>(slice.height - 1 - v));
@@ -562,10 +573,17 @@ void drawSlice(Session& session) {
             if (voxel.faces[f].coverage > 0) text(fmt::format("{}: {}", kFaces[f], faceText(voxel.faces[f])));
         ImGui::EndTooltip();
     }
-    ImGui::PlotHistogram("##occupancy", histogram.data(), static_cast<int>(histogram.size()), 0, "opacity, 0 to 1", 0,
-                         FLT_MAX, ImVec2(ImGui::GetContentRegionAvail().x, 3 * ImGui::GetFontSize()));
-    dim(fmt::format("{} of {} voxels of the slice are occupied; histogram of their fullest faces' coverage", occupied,
-                    slice.width * slice.height));
+    Occupancy here;
+    here.add(slice);
+    drawOccupancy(here, "the slice");
+}
+
+/// Of all voxels of the level that is shown, on demand.
+void drawLevelOccupancy(Session& session) {
+    const int level = std::clamp(session.level, 0, std::max(session.picture->clipmap.layout.count() - 1, 0));
+    if (ImGui::Button("occupancy of the level")) session.askOccupancy(level);
+    tip("reads all slices of the level: its voxels by the coverage of their fullest face");
+    if (session.occupancy) drawOccupancy(*session.occupancy, fmt::format("level {}", session.occupancyLevel));
 }
 
 void drawVoxelPanel(Session& session) {
@@ -612,9 +630,10 @@ void drawVoxelPanel(Session& session) {
         ImGui::SameLine();
         ImGui::Checkbox("flip", &session.cutFlipped);
     }
+    if (!session.picture || session.picture->clipmap.layout.levels == 0) return;
+    drawLevelOccupancy(session);
     ImGui::Checkbox("slice", &session.sliceShown);
-    if (!session.sliceShown || !session.picture || session.picture->clipmap.layout.levels == 0) return;
-    drawSlice(session);
+    if (session.sliceShown) drawSlice(session);
 }
 
 // ---- Inspector

@@ -529,6 +529,35 @@ void Session::askSlice() {
     });
 }
 
+void Session::askOccupancy(int ofLevel) {
+    if (!facts || !picture || ofLevel >= picture->clipmap.layout.count()) return;
+    const int slices = picture->clipmap.layout.resolutionOf(ofLevel);
+    occupancy.reset();
+    occupancyLevel = ofLevel;
+    thread.now([this, ofLevel, slices](RenderThread::Desk& desk) {
+        Occupancy all;
+        for (int depth = 0; depth < slices; ++depth) all.add(desk.renderer.voxelSlice(ofLevel, 2, depth));
+        thread.deliver([this, ofLevel, all] {
+            if (ofLevel == occupancyLevel) occupancy = all;
+        });
+    });
+}
+
+/// Counts what the cones of the finished picture look at, which gathers it once more.
+void Session::askSamples() {
+    if (!countSamples || !picture || !picture->finished || picture->serial == samplesAsked_) return;
+    const std::uint64_t serial = samplesAsked_ = picture->serial;
+    thread.afterPicture([this, serial](RenderThread::Desk& desk) {
+        const Settings::Output& output = desk.view.settings.output;
+        const double pixels = static_cast<double>(output.width) * output.height;
+        const double samples = withoutCones(desk.view) ? 0 : static_cast<double>(desk.renderer.coneSamples());
+        thread.deliver([this, serial, each = samples / pixels] {
+            samplesPerPixel = each;
+            samplesSerial = serial;
+        });
+    });
+}
+
 // ---- Clipmap
 
 void Session::freeze(bool on) {
@@ -763,6 +792,7 @@ bool Session::update(double seconds, const glm::ivec2& place) {
     takeTraced();
     compare();
     watchPicture();
+    askSamples();
     changed |= picture != before;
 
     const auto now = Clock::now();

@@ -136,6 +136,8 @@ struct Session {
     bool sliceShown = false;
     int sliceAxis = 1, sliceDepth = 0;
     std::shared_ptr<const VoxelSlice> slice;  ///< the latest
+    std::optional<Occupancy> occupancy;       ///< of all of the level `occupancyLevel`, when it was asked for
+    int occupancyLevel = 0;
 
     // ---- Questions
     std::unique_ptr<Inspection> inspection;
@@ -166,6 +168,9 @@ struct Session {
 
     // ---- Figures and messages
     CostHistory history;
+    bool countSamples = false;              ///< of every finished picture
+    std::optional<double> samplesPerPixel;  ///< that cones looked at for the picture `samplesSerial`
+    std::uint64_t samplesSerial = 0;
     std::deque<Message> messages;  ///< latest last
     Clock::time_point messageTime;
     std::vector<std::filesystem::path> recent;
@@ -219,6 +224,9 @@ struct Session {
         return (picture && picture->finished && (slicePicture_ != picture->serial || !sliceSettled_)) ||
                sliceBounce_ != voxelChannel().bounce;
     }
+
+    /// Asks for the occupancy of a whole level or mip.
+    void askOccupancy(int ofLevel);
 
     /// Where a light stands; nothing for a directional one.
     std::optional<glm::dvec3> lightPosition(std::size_t light) const;
@@ -312,6 +320,8 @@ struct Session {
     std::future<void> otherEnds_;
     std::shared_ptr<const Picture> watched_;  ///< the last that the flicker view has taken
     View referenceView_;
+    void askSamples();
+    std::uint64_t samplesAsked_ = 0;  ///< serial of the view whose samples are counted
     std::uint64_t sliceAnswered_ = 0;
     std::uint64_t sliceSerial_ = 0;   ///< of the last slice that was asked for
     std::uint64_t slicePicture_ = 0;  ///< serial of the view that it shows

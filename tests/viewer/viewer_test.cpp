@@ -12,6 +12,8 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
 #include <thread>
 
 #include "capture/capture.h"
@@ -659,6 +661,36 @@ TEST_F(ViewerTest, SlicesHoldAllVoxelsOfALevel) {
     ASSERT_TRUE(turnUntil([&] { return done; }));
     EXPECT_GT(wanted, 0u);
     EXPECT_EQ(found, 3 * wanted);
+    session().askOccupancy(2);
+    ASSERT_TRUE(turnUntil([&] { return session().occupancy.has_value(); }));
+    const Occupancy& level2 = *session().occupancy;
+    EXPECT_EQ(level2.occupied, wanted);
+    EXPECT_EQ(level2.voxels, 16u * 16u * 16u);
+    EXPECT_EQ(std::accumulate(level2.histogram.begin(), level2.histogram.end(), std::uint64_t{0}), wanted);
+}
+
+TEST_F(ViewerTest, SamplesOfTheFinishedPictureAreCounted) {
+    session().countSamples = true;
+    for (Panel& panel : viewer().panels()) panel.open = std::string(panel.name) == "Figures";
+    ASSERT_TRUE(settle());
+    const auto counted = [&] { return session().samplesSerial == session().picture->serial; };
+    ASSERT_TRUE(turnUntil(counted));
+    const Image before = session().picture->image;
+    std::optional<std::uint64_t> samples;
+    session().thread.afterPicture([&](RenderThread::Desk& desk) {
+        session().thread.deliver([&, n = desk.renderer.coneSamples()] { samples = n; });
+    });
+    ASSERT_TRUE(turnUntil([&] { return samples.has_value(); }));
+    const double pixels = static_cast<double>(before.width) * before.height;
+    EXPECT_GT(*samples, 0u);
+    EXPECT_EQ(*session().samplesPerPixel, static_cast<double>(*samples) / pixels);
+    EXPECT_EQ(session().picture->image.data, before.data) << "counting changes nothing";
+    // Views without cones have none.
+    session().channel = "albedo";
+    ASSERT_TRUE(settle());
+    ASSERT_TRUE(turnUntil(counted));
+    EXPECT_EQ(*session().samplesPerPixel, 0);
+    session().countSamples = false;
 }
 
 TEST_F(ViewerTest, ACutLeavesVoxelsAway) {

@@ -91,13 +91,20 @@ const metricNames = [...Object.keys(kMetrics).filter((name) => metricsFound.incl
                      ...metricsFound.filter((name) => !(name in kMetrics))];
 const hasFrame = (frame) => rows.some((row) => row.ms && row.ms[frame]);
 
+/** What others are compared with at first: `balanced`, or what changes least of it. */
+function usualConfiguration() {
+  const changed = configurations.map((c) => (
+    c.id === "balanced" ? -1 : c.preset === "balanced" ? Object.keys(c.set || {}).length : Infinity));
+  return configurations.length === 0 ? -1 : changed.indexOf(Math.min(...changed));
+}
+
 /** Everything that the reader chooses. `c` and `base` are indices of configurations, −1 where there are none. */
 const state = {
   frame: hasFrame("steady") || !hasFrame("first") ? "steady" : "first",
   pass: "",
   channel: channelNames[0] || "beauty",
   metric: metricNames[0] || "relmse",
-  base: configurations.length === 0 ? -1 : Math.max(0, configurations.findIndex((c) => c.id === "balanced")),
+  base: usualConfiguration(),
   picked: -1,
   find: "",
   view: "",

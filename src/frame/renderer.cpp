@@ -145,6 +145,7 @@ struct Renderer::Impl {
         forgotten = false;
     }
 
+    /// Renewal of voxels and their light, as far as `pause` lets it go; `center`: of the clipmap, from the origin.
     void updateLevels(const glm::dvec3& center, const gl::Stop& pause) {
         const auto bindLights = [this](gl::Program& program) { shadowMaps.bind(program); };
         const bool exact = settings.cascade.update == CascadeUpdate::exact;
@@ -195,6 +196,8 @@ struct Renderer::Impl {
         if (behind || !parts.empty() || field->whole()) return;
         if (field->resume(voxels, sky, bindLights, timers, pause)) bouncesLeft = std::max(bouncesLeft - 1, 0);
     }
+
+    /// Voxelizes a part of an update that is not empty; its time counts for its level if it is of one alone.
     void voxelize(const ClipmapUpdate& part) {
         const std::vector<Region>& some = part.fixed.empty() ? part.moving : part.fixed;
         const int level = some.front().level;

@@ -47,8 +47,7 @@ class Framebuffer {
     int width_ = 0, height_ = 0, colors_ = 0;
 };
 
-/// Makes the window's own framebuffer, of `width`×`height` pixels, the draw framebuffer and fills it with one colour
-///.
+/// Draws into the window's own framebuffer from now on, of `width`×`height` pixels, and fills it with one colour.
 void beginWindow(int width, int height, const glm::vec3& color);
 
 /// What was drawn into the window's framebuffer and is not shown yet: RGB, 8 bits each, row 0 at the bottom.

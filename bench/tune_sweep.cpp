@@ -49,16 +49,21 @@ Table sweep(const TuneSpace& space, const std::vector<Choice>& all, SettingsMete
     for (const Choice& choice : all) {
         const std::string name = presetOf(space.settingsOf(choice)).dump();
         if (!rows.contains(name)) {
-            const Measured m = meter.measure({space.settingsOf(choice)}, 1).at(0);
+            const Measured m = meter.measure(space.settingsOf(choice), 1);
             rows[name] = {{"steady_ms", m.steadyMilliseconds},
                           {"first_ms", m.firstMilliseconds},
-                          {"error", m.error},
+                          {"error", m.failure.empty() ? m.errors.at(options.metric) : 0},
                           {"samples", m.samplesPerPixel},
+                          {"seconds", m.seconds},
                           {"failure", m.failure}};
             if (!options.table.empty()) writeTextFile(options.table, rows.dump(1) + "\n");
         }
         const json& row = rows[name];
-        table[choice] = {row["first_ms"], row["steady_ms"], row["error"], row["samples"], 0, row["failure"]};
+        Measured& m = table[choice];
+        m.firstMilliseconds = row["first_ms"], m.steadyMilliseconds = row["steady_ms"];
+        m.errors[options.metric] = row["error"], m.samplesPerPixel = row["samples"],
+        m.seconds = row.value("seconds", 0.0);
+        m.failure = row["failure"];
         progress.update(static_cast<double>(table.size()) / static_cast<double>(all.size()));
     }
     return table;
@@ -74,20 +79,19 @@ int run(const Options& options) {
 
     const auto context = gl::Context::createHeadless(false);
     Evaluator evaluator(*context, script, options.cache, script.settings.reference);
-    SettingsMeter meter(*context, evaluator, script, options.channel, options.metric, options.repeats,
-                        options.cost == "first-ms");
+    SettingsMeter meter(*context, evaluator, script, options.channel, options.repeats, options.cost == "first-ms", {});
     meter.prepare(1, {});
     const Table table = sweep(space, all, meter, options);
     const auto costOf = [&](const Measured& m) {
         return Cost{options.cost == "samples"    ? m.samplesPerPixel
                     : options.cost == "first-ms" ? m.firstMilliseconds
                                                  : m.steadyMilliseconds,
-                    m.error};
+                    m.errors.at(options.metric), m.seconds};
     };
 
     std::vector<double> errors;
     for (const auto& [choice, m] : table)
-        if (m.failure.empty()) errors.push_back(m.error);
+        if (m.failure.empty()) errors.push_back(m.errors.at(options.metric));
     if (errors.empty()) throw InputError(options.script, "", "nothing could be rendered");
     std::sort(errors.begin(), errors.end());
     const int budget = static_cast<int>(all.size()) / 4;
@@ -100,12 +104,13 @@ int run(const Options& options) {
         const double bound = errors[static_cast<std::size_t>(share * static_cast<double>(errors.size() - 1))];
         double cheapest = 1e300;
         for (const auto& [choice, m] : table)
-            if (m.failure.empty() && m.error <= bound) cheapest = std::min(cheapest, costOf(m).milliseconds);
+            if (m.failure.empty() && m.errors.at(options.metric) <= bound)
+                cheapest = std::min(cheapest, costOf(m).milliseconds);
         const MeasureChoices measure = [&](const std::vector<Choice>& choices, Stage) {
             std::vector<std::optional<Cost>> costs;
             std::vector<Settings> list;
             for (const Choice& choice : choices) list.push_back(space.settingsOf(choice));
-            const auto rendered = options.fresh ? meter.measure(list, 1) : std::vector<Measured>{};
+            const auto rendered = options.fresh ? meter.compare(list) : std::vector<Measured>{};
             for (std::size_t i = 0; i < choices.size(); ++i) {
                 const Measured& m = options.fresh ? rendered[i] : table.at(choices[i]);
                 costs.push_back(m.failure.empty() ? std::optional(costOf(m)) : std::nullopt);

@@ -43,23 +43,26 @@ Bound parseBound(const std::string& text) {
     throw UsageError(fmt::format("--max-error {}: expected METRIC=VALUE with a value above 0, e.g. relmse=0.02", text));
 }
 
-/// The front, the chosen row marked. What small pictures tell is marked as about.
-void printFront(const TuneResult& result, const TuneSpace& space, const std::string& metric) {
+/// The front, the chosen row marked. What small pictures or a single frame tell is marked as about.
+void printFront(const TuneResult& result, const TuneSpace& space, const std::string& metric, bool firstFrames) {
     fmt::print("  {:>10} {:>10} {:>12} {:>10} {:>8}  settings changed\n", "steady_ms", "first_ms", metric, "samples/px",
                "MB");
     for (const TuneResult::Row& row : result.front) {
         const Measured& m = row.measured;
         const char* about = row.confirmed ? "" : "~";
+        // Without repeats of first frames there is but the very first one.
+        const char* aboutFirst = row.confirmed && firstFrames ? "" : "~";
         fmt::print("{} {:>10} {:>10} {:>12} {:>10.0f} {:>8.1f}  {}\n",
                    result.cheapest && row.choice == result.cheapest->choice ? "*" : " ",
                    fmt::format("{}{:.4g}", about, m.steadyMilliseconds),
-                   fmt::format("{}{:.4g}", about, m.firstMilliseconds), fmt::format("{}{:.4g}", about, m.error),
-                   m.samplesPerPixel, static_cast<double>(m.memoryBytes) / 1e6, space.changesOf(row.choice));
+                   fmt::format("{}{:.4g}", aboutFirst, m.firstMilliseconds),
+                   fmt::format("{}{:.4g}", about, m.errors.at(metric)), m.samplesPerPixel,
+                   static_cast<double>(m.memoryBytes) / 1e6, space.changesOf(row.choice));
     }
 }
 
 struct Options : ScriptOptions {
-    std::string maxError, channel = "beauty", frame = "steady", out, references;
+    std::string maxError, channel = "beauty", frame = "steady", out, cache;
     std::optional<double> maxMilliseconds;
     int budget = 40, repeats = 3;
     std::vector<std::string> vary;
@@ -74,30 +77,32 @@ int run(const Options& options) {
     if (!knobs.empty()) space.knobs = std::move(knobs);
 
     const auto context = gl::Context::createHeadless(false);
-    Evaluator evaluator(*context, script, options.references, script.settings.reference);
-    SettingsMeter meter(*context, evaluator, script, options.channel, bound.metric, options.repeats,
-                        options.frame == "first");
+    const std::filesystem::path cache = options.cache;
+    Evaluator evaluator(*context, script, cache / "references", script.settings.reference);
+    SettingsMeter meter(*context, evaluator, script, options.channel, options.repeats, options.frame == "first",
+                        cache / "measurements");
     const std::string name = std::filesystem::path(options.file).stem().string();
     for (int divisor = tuneDivisor(script.settings); divisor > 0; --divisor) {
         Progress progress("reference " + name);
         meter.prepare(divisor, [&](double fraction) { progress.update(fraction); });
     }
-    const TuneOptions tuning{bound.value, options.maxMilliseconds, options.frame == "first", options.budget};
+    const TuneOptions tuning{bound.metric, bound.value, options.maxMilliseconds, options.frame == "first",
+                             options.budget};
+    const auto time = [&](const Measured& m) { return tuning.firstFrame ? m.firstMilliseconds : m.steadyMilliseconds; };
     const TuneResult result = tune(meter, space, tuning, [&](int number, const Choice& choice, const Measured& m) {
-        log::info("{:>3}/{}  {}  {}", number, options.budget,
-                  m.failure.empty() ? fmt::format("{:>9.4g} ms  {} {:<9.4g}",
-                                                  tuning.firstFrame ? m.firstMilliseconds : m.steadyMilliseconds,
-                                                  bound.metric, m.error)
-                                    : m.failure,
-                  space.changesOf(choice));
+        log::info("{:>3}/{}  {}  {}  {}", number, options.budget,
+                  m.failure.empty()
+                      ? fmt::format("{:>9.4g} ms  {} {:<9.4g}", time(m), bound.metric, m.errors.at(bound.metric))
+                      : m.failure,
+                  m.kept ? "  (kept)" : fmt::format("{:>6.1f} s", m.seconds), space.changesOf(choice));
     });
+    if (result.kept > 0) log::info("{} measurements of an earlier search, from {}", result.kept, options.cache);
 
     fmt::print("trade-offs of {}, {} x {} pixels, {} of {}, {} times of {} measurements of settings{}:\n", name,
                script.settings.output.width, script.settings.output.height, bound.metric, options.channel,
                options.repeats, result.measurements,
                result.failed > 0 ? fmt::format(", {} of which failed", result.failed) : "");
-    printFront(result, space, bound.metric);
-    const auto time = [&](const Measured& m) { return tuning.firstFrame ? m.firstMilliseconds : m.steadyMilliseconds; };
+    printFront(result, space, bound.metric, tuning.firstFrame);
     if (!result.met) {
         if (result.cheapest)
             fmt::print(
@@ -112,14 +117,14 @@ int run(const Options& options) {
         if (least != nullptr)
             fmt::print("the least error found{} is {:.4g}, at {:.4g} ms: {}\n",
                        options.maxMilliseconds ? fmt::format(" within {} ms", *options.maxMilliseconds) : "",
-                       least->measured.error, time(least->measured), space.changesOf(least->choice));
+                       least->measured.errors.at(bound.metric), time(least->measured), space.changesOf(least->choice));
         else
             fmt::print("nothing found is as fast as that\n");
         return static_cast<int>(ExitCode::over_bound);
     }
     const Measured& best = result.cheapest->measured;
-    fmt::print("cheapest with {} <= {}: {:.4g} at {:.4g} ms: {}\n", bound.metric, bound.value, best.error, time(best),
-               space.changesOf(result.cheapest->choice));
+    fmt::print("cheapest with {} <= {}: {:.4g} at {:.4g} ms: {}\n", bound.metric, bound.value,
+               best.errors.at(bound.metric), time(best), space.changesOf(result.cheapest->choice));
     if (!options.out.empty()) {
         writeTextFile(options.out, presetOf(space.settingsOf(result.cheapest->choice)).dump(2) + "\n");
         fmt::print("{}\n", options.out);
@@ -131,7 +136,7 @@ int run(const Options& options) {
 
 Command tuneCommand(CLI::App& app) {
     const auto options = std::make_shared<Options>();
-    options->references = (std::filesystem::temp_directory_path() / "voxcone-references").string();
+    options->cache = (std::filesystem::temp_directory_path() / "voxcone-tune").string();
     CLI::App* parser =
         app.add_subcommand("tune", "Find the cheapest settings for a scene that meet a bound on the error");
     options->addTo(*parser, true);
@@ -161,7 +166,10 @@ Command tuneCommand(CLI::App& app) {
     parser->add_option("--repeats", options->repeats, "frames timed for a measurement, of which the median counts")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
-    parser->add_option("--references", options->references, "folder that keeps references, as that of report")
+    parser
+        ->add_option("--cache", options->cache,
+                     "folder that keeps references and measurements: a search that was stopped goes on, and one for "
+                     "another bound begins with what is known")
         ->type_name("DIR")
         ->capture_default_str();
     return {parser, "voxcone tune SCRIPT.json|SCENE.gltf --max-error METRIC=VALUE [--out FILE.json] [--set KEY=VALUE]…",

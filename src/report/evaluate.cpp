@@ -217,7 +217,7 @@ Trial::Trial(gl::Context& context, std::shared_ptr<const Scene> scene, const Sho
     const double time = shot.timeOf(frame);
     camera_ = cameraAt(shot, *scene_, time);
     renderer_ = std::make_unique<Renderer>(context_, *scene_, settings_, time);
-    for (int i = 0; i < std::max(warmUp, 1); ++i) repeat();
+    for (int i = 0; i < std::max(warmUp, 1); ++i) warmedUp_ = repeat();
 }
 
 FrameTimes Trial::again() {

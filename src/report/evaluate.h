@@ -91,6 +91,9 @@ class Trial {
     /// Renders one more frame like the last, in which nothing has moved.
     FrameTimes again();
 
+    /// The last warm-up; if it was the only one, with the compilation of shaders.
+    const Repeat& warmedUp() const { return warmedUp_; }
+
     std::uint64_t memoryBytes() const;
 
     /// Errors of the last frame in every channel of `channels` that `reference` has. `multiplyAo`: indirect diffuse
@@ -105,6 +108,7 @@ class Trial {
     Settings settings_;
     Camera camera_;
     std::unique_ptr<Renderer> renderer_;
+    Repeat warmedUp_;
 };
 
 /// What a PNG of a reference's channel shows: as `voxcone reference` writes it.

@@ -76,16 +76,6 @@ json buildJson() {
     return {{"version", VOXCONE_VERSION}, {"compiler", compiler}, {"type", VOXCONE_BUILD_TYPE}};
 }
 
-/// Of this program's own file: measurements of another build are other measurements.
-std::string programHash() {
-    Sha256 hash;
-    std::ifstream file("/proc/self/exe", std::ios::binary);
-    std::vector<char> buffer(1 << 20);
-    while (file.read(buffer.data(), static_cast<std::streamsize>(buffer.size())), file.gcount() > 0)
-        hash.add(buffer.data(), static_cast<std::size_t>(file.gcount()));
-    return hash.hex();
-}
-
 json timesJson(const Times& times) {
     return {{"median", times.median}, {"p10", times.p10}, {"p90", times.p90}, {"repeats", times.repeats}};
 }
@@ -125,7 +115,7 @@ class Runner {
           context_(gl::Context::createHeadless(false)),
           references_(options.references.empty() ? options.out / "references" : options.references),
           rows_(options.shard ? rowsOf(suite_, *options.shard) : rowsOf(suite_)),
-          program_(programHash()),
+          program_(sha256OfProgram()),
           progress_("report " + suite_.name) {}
 
     ReportResult run() {

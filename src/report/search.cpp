@@ -125,6 +125,10 @@ double normalDensity(double x) {
 double normalBelow(double x) {
     return 0.5 * std::erfc(-x / std::numbers::sqrt2);
 }
+/// Its logarithm, where it is too small for a number as well.
+double logNormalBelow(double x) {
+    return x > -20 ? std::log(normalBelow(x)) : -0.5 * x * x - std::log(-x * std::sqrt(2 * std::numbers::pi));
+}
 
 /// All choices when there are not too many, else none.
 std::vector<Choice> allChoices(const SearchSpace& space) {
@@ -153,6 +157,8 @@ class Search {
             VOXCONE_CHECK(seed.size() == space_.sizes.size(), "{} of {} knobs", seed.size(), space_.sizes.size());
             probe(space_.canonicalOf(seed));
         }
+        for (const Choice& choice : space_.reserve)
+            if (!met()) probe(space_.canonicalOf(choice));
         if (space_.smallPictures) confirm(1);
         // What confirming leaves of the budget goes into searching on.
         bool more = true;
@@ -172,6 +178,11 @@ class Search {
 
     double bound() const { return maxError_ / result_.pictureFactor; }
 
+    bool met() const {
+        return std::any_of(result_.probes.begin(), result_.probes.end(),
+                           [&](const SearchResult::Probe& p) { return p.cost && p.cost->error <= bound(); });
+    }
+
     bool known(const Choice& choice) const {
         return std::any_of(result_.probes.begin(), result_.probes.end(),
                            [&](const SearchResult::Probe& p) { return p.choice == choice; });
@@ -188,15 +199,18 @@ class Search {
 
     void fit() {
         std::vector<Choice> choices;
-        std::vector<double> times, errors;
+        std::vector<double> times, errors, efforts;
         for (const SearchResult::Probe& p : result_.probes) {
             if (!p.cost) continue;
             choices.push_back(p.choice);
             times.push_back(std::log(p.cost->milliseconds));
             errors.push_back(std::log(p.cost->error));
+            if (p.cost->seconds > 0) efforts.push_back(std::log(p.cost->seconds));
         }
         time_.fit(choices, times, {0.01, 0.03, 0.1, 0.25});
         error_.fit(choices, errors, {0.03, 0.08});
+        effortsKnown_ = efforts.size() == choices.size();
+        if (effortsKnown_) effort_.fit(choices, efforts, {0.03, 0.1, 0.3});
     }
 
     /// How likely a choice can be rendered: each of its values is blamed for its share of failures.
@@ -211,15 +225,16 @@ class Search {
         return chance;
     }
 
-    /// Gain that is expected of measuring a choice: of the logarithm of time, or before the bound is met once, the
-    /// probability that it will be.
+    /// Logarithm of the gain that is expected of measuring a choice: of the logarithm of time, or before the bound is
+    /// met once, of the probability that it will be.
     double gain(const Choice& choice, const std::optional<double>& bestTime) const {
         const Prediction error = error_.predict(choice);
         const double margin = (std::log(bound()) - error.mean) / error.deviation;
-        if (!bestTime) return margin + 2 * std::log(chance(choice));
+        const double meets = std::log(chance(choice)) + logNormalBelow(margin);
+        if (!bestTime) return meets;
         const Prediction time = time_.predict(choice);
         const double z = (*bestTime - time.mean) / time.deviation;
-        return chance(choice) * normalBelow(margin) * time.deviation * (z * normalBelow(z) + normalDensity(z));
+        return meets + std::log(time.deviation * std::max(z * normalBelow(z) + normalDensity(z), 1e-300));
     }
 
     /// What to measure next; none when nothing is worth it.
@@ -232,12 +247,19 @@ class Search {
         for (const SearchResult::Probe& p : result_.probes)
             if (p.cost && p.cost->error <= bound())
                 bestTime = std::min(bestTime.value_or(1e300), std::log(p.cost->milliseconds));
+        // A fifth of a per cent is less than times can tell. While nothing meets the bound the model is not believed
+        // that nothing will: errors of real scenes go up and down along a ladder where it expects one way.
+        const double leastGain = bestTime ? std::log(0.002) : -1e300;
         std::optional<Choice> best;
-        double bestGain = -1e300;
+        bool worthwhile = false;
+        double bestScore = -1e300;
         const auto consider = [&](const Choice& choice) {
             const double value = gain(choice, bestTime);
-            if (value <= bestGain || known(choice)) return false;
-            bestGain = value, best = choice;
+            // What is not worth it comes after all that is, but a climb may lead through it.
+            const double score =
+                value - (effortsKnown_ ? effort_.predict(choice).mean : 0) - (value < leastGain ? 1e6 : 0);
+            if (score <= bestScore || known(choice)) return false;
+            bestScore = score, best = choice, worthwhile = value >= leastGain;
             return true;
         };
         if (!all_.empty()) {
@@ -245,10 +267,7 @@ class Search {
         } else {
             climb(consider);
         }
-        // A fifth of a per cent is less than times can tell. While nothing meets the bound the model is not believed that
-        // nothing will: errors of real scenes go up and down along a ladder where it expects one way.
-        if (bestTime && bestGain < 0.002) return std::nullopt;
-        return best;
+        return worthwhile ? best : std::nullopt;
     }
 
     /// Offers choices at random and around all that is measured, then goes up from the best of them one knob at a time.
@@ -333,7 +352,8 @@ class Search {
     const int budget_;
     const MeasureChoices& measure_;
     std::vector<Choice> all_;  ///< canonical; empty when there are too many
-    Model time_{space_, +1}, error_{space_, -1};
+    Model time_{space_, +1}, error_{space_, -1}, effort_{space_, +1};
+    bool effortsKnown_ = false;
     std::mt19937 random_{1};
     SearchResult result_;
 };

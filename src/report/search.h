@@ -4,7 +4,9 @@
 // sums of what each step of each knob changes, and of what two knobs change together; steps have a Gaussian prior, so
 // that the model is a Gaussian process whose kernel is that of random walks along the knobs. The next combination to
 // measure is the one with the largest expected gain in time, times the probability that it meets the bound (J. Gardner
-// et al. 2014, "Bayesian Optimization with Inequality Constraints"). Pictures to search with may be smaller than those
+// et al. 2014, "Bayesian Optimization with Inequality Constraints"), per second that the measurement itself is expected
+// to take (J. Snoek et al. 2012, "Practical Bayesian Optimization of Machine Learning Algorithms", 3.2): voxels and
+// light may take minutes to build where a frame takes milliseconds. Pictures to search with may be smaller than those
 // that are meant: the best found are measured again as they are meant, and tell how far small pictures err.
 #pragma once
 
@@ -17,15 +19,17 @@ namespace voxcone {
 /// Index of the value of each knob.
 using Choice = std::vector<int>;
 
-/// What a choice costs; both > 0 and finite.
+/// What a choice costs; time and error > 0 and finite.
 struct Cost {
     double milliseconds = 0, error = 0;
+    double seconds = 0;  ///< that measuring it took; 0 when all take alike
 };
 
 struct SearchSpace {
     std::vector<int> sizes;  ///< values of each knob, at least 1
     /// Measured first, in this order; at least one.
     std::vector<Choice> seeds;
+    std::vector<Choice> reserve;  ///< measured next, one by one until the bound is met
     /// Maps choices that make the same picture to one of them; identity when empty.
     std::function<Choice(Choice)> canonical;
     bool smallPictures = false;  ///< errors of Stage::search are those of smaller pictures
@@ -53,9 +57,9 @@ struct SearchResult {
     double pictureFactor = 1;   ///< error of the pictures meant over that of those searched with
 };
 
-/// Searches with at most `budget` measurements (at least one for each seed and one more), of which some confirm.
-/// Without a choice that meets `maxError` the one that seems to err least is confirmed and `best` stays empty. The
-/// same answers give the same search.
+/// Searches with at most `budget` measurements (at least one for each of seeds and reserve, and one more), of which
+/// some confirm. Without a choice that meets `maxError` the one that seems to err least is confirmed and `best` stays
+/// empty. The same answers give the same search.
 SearchResult searchCheapest(const SearchSpace& space, double maxError, int budget, const MeasureChoices& measure);
 
 }  // namespace voxcone

@@ -36,4 +36,7 @@ class Sha256 {
     std::unique_ptr<evp_md_ctx_st, Free> context_;
 };
 
+/// Of the running program's own file: measurements by another build are other measurements.
+std::string sha256OfProgram();
+
 }  // namespace voxcone

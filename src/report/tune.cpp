@@ -50,10 +50,6 @@ void include(std::vector<json>& values, const json& value) {
     values.insert(after, value);
 }
 
-bool isPerPixel(const std::string& pass) {
-    return pass == "gbuffer" || pass == "direct" || pass == "composite" || pass.starts_with("cones: ");
-}
-
 }  // namespace
 
 Settings TuneSpace::settingsOf(const Choice& choice) const {
@@ -99,6 +95,9 @@ SearchSpace TuneSpace::searchSpace(bool smallPictures) const {
             if (valueIn(settings, knobs[k].key) == valueIn(Settings(), knobs[k].key)) seed[k] = space.seeds[0][k];
         space.seeds.push_back(seed);
     }
+    // Where `accurate` builds light for minutes, it is only asked what it can do if nothing less will.
+    space.reserve = {space.seeds.back()};
+    space.seeds.pop_back();
     // A few knobs of one's own may look the same under all presets.
     if (knobs.size() < 6) space.seeds.insert(space.seeds.end(), {lowest, highest});
 
@@ -173,97 +172,6 @@ Knob knobFromText(const std::string& text) {
     return knob;
 }
 
-SettingsMeter::SettingsMeter(gl::Context& context, Evaluator& evaluator, const CaptureScript& script,
-                             std::string channel, std::string metric, int repeats, bool firstFrames)
-    : context_(context),
-      evaluator_(evaluator),
-      script_(script),
-      channel_(std::move(channel)),
-      metric_(std::move(metric)),
-      repeats_(repeats),
-      firstFrames_(firstFrames) {}
-
-Settings SettingsMeter::resized(Settings settings, int divisor) const {
-    settings.output = script_.settings.output;
-    settings.output.width = std::max(settings.output.width / divisor, 1);
-    settings.output.height = std::max(settings.output.height / divisor, 1);
-    return settings;
-}
-
-void SettingsMeter::prepare(int divisor, const std::function<void(double)>& progress) {
-    const Settings settings = resized(script_.settings, divisor);
-    const double shots = static_cast<double>(script_.shots.size());
-    for (std::size_t i = 0; i < script_.shots.size(); ++i) {
-        const Shot& shot = script_.shots[i];
-        const Reference truth = evaluator_.reference(shot, shot.firstFrame, settings, [&](double fraction) {
-            if (progress) progress((static_cast<double>(i) + fraction) / shots);
-        });
-        if (!truth.channels.contains(channel_))
-            throw InputError(script_.scene.file.string(), "",
-                             fmt::format("{} of shot {} is black: there is nothing to tune", channel_, shot.name));
-    }
-}
-
-std::vector<Measured> SettingsMeter::measure(const std::vector<Settings>& list, int divisor) {
-    std::vector<Measured> out(list.size());
-    for (const Shot& shot : script_.shots) measureShot(shot, list, divisor, out);
-    return out;
-}
-
-void SettingsMeter::measureShot(const Shot& shot, const std::vector<Settings>& list, int divisor,
-                                std::vector<Measured>& out) {
-    const int frame = shot.firstFrame;
-    std::vector<std::unique_ptr<Trial>> trials(list.size());
-    std::vector<Settings> sized;
-    const auto attempt = [&](std::size_t i, const auto& work) {
-        if (!out[i].failure.empty()) return;
-        try {
-            work();
-        } catch (const Error& error) {
-            out[i] = {};
-            out[i].failure = error.what();
-            trials[i].reset();
-        }
-    };
-    for (std::size_t i = 0; i < list.size(); ++i) {
-        sized.push_back(resized(list[i], divisor));
-        attempt(i, [&] {
-            trials[i] = std::make_unique<Trial>(context_, evaluator_.sceneFor(sized[i]), shot, frame, sized[i]);
-        });
-    }
-    std::vector<std::vector<Repeat>> repeats(list.size());
-    for (int n = 0; n < repeats_; ++n)
-        for (std::size_t i = 0; i < list.size(); ++i)
-            attempt(i, [&] {
-                const bool all = n == 0 || firstFrames_;
-                repeats[i].push_back(all ? trials[i]->repeat() : Repeat{repeats[i][0].first, trials[i]->again()});
-            });
-
-    const double pixels = static_cast<double>(script_.settings.output.width) * script_.settings.output.height;
-    for (std::size_t i = 0; i < list.size(); ++i) {
-        attempt(i, [&] {
-            const Measurement measurement = summarize(repeats[i]);
-            const Settings::Output& output = sized[i].output;
-            const double perPixel = pixels / (static_cast<double>(output.width) * output.height);
-            double first = 0, steady = 0;
-            for (const Measurement::Pass& pass : measurement.passes) {
-                const double scale = isPerPixel(pass.name) ? perPixel : 1;
-                if (pass.first) first += scale * pass.first->median;
-                if (pass.steady) steady += scale * pass.steady->median;
-            }
-            const Reference truth = evaluator_.reference(shot, frame, sized[i]);
-            const PictureResult picture = trials[i]->picture(truth, {channel_});
-            Measured& m = out[i];
-            // Sums of passes are what estimates scale; whole pictures have the frame's own time.
-            m.firstMilliseconds = std::max(m.firstMilliseconds, divisor > 1 ? first : measurement.first.median);
-            m.steadyMilliseconds = std::max(m.steadyMilliseconds, divisor > 1 ? steady : measurement.steady.median);
-            m.error = std::max(m.error, std::abs(picture.channels.at(channel_).errors.at(metric_)));
-            m.samplesPerPixel = std::max(m.samplesPerPixel, picture.samplesPerPixel);
-            m.memoryBytes = std::max(m.memoryBytes, picture.memoryBytes);
-        });
-    }
-}
-
 int tuneDivisor(const Settings& settings) {
     return settings.output.width >= 256 && settings.output.height >= 144 ? 2 : 1;
 }
@@ -274,20 +182,30 @@ TuneResult tune(SettingsMeter& meter, const TuneSpace& space, const TuneOptions&
     const auto milliseconds = [&](const Measured& m) {
         return options.firstFrame ? m.firstMilliseconds : m.steadyMilliseconds;
     };
+    constexpr double kFirstShare = 0.001;
     TuneResult result;
     std::map<Choice, Measured> searched, confirmed;
     int number = 0;
     const MeasureChoices measure = [&](const std::vector<Choice>& choices, Stage stage) {
+        const bool search = stage == Stage::search;
         std::vector<Settings> list;
         for (const Choice& choice : choices) list.push_back(space.settingsOf(choice));
-        const auto measured = meter.measure(list, stage == Stage::search ? divisor : 1);
+        std::vector<Measured> measured;
+        if (search)
+            for (const Settings& settings : list) measured.push_back(meter.measure(settings, divisor));
+        else
+            measured = meter.compare(list);
         std::vector<std::optional<Cost>> costs;
         for (std::size_t i = 0; i < choices.size(); ++i) {
-            if (onMeasured) onMeasured(++number, choices[i], measured[i]);
-            if (measured[i].failure.empty()) {
-                (stage == Stage::search ? searched : confirmed)[choices[i]] = measured[i];
+            const Measured& m = measured[i];
+            if (onMeasured) onMeasured(++number, choices[i], m);
+            result.kept += m.kept;
+            if (m.failure.empty()) {
+                (search ? searched : confirmed)[choices[i]] = m;
+                const double time = milliseconds(m) + (options.firstFrame ? 0 : kFirstShare * m.firstMilliseconds);
                 // A picture without error and a clock that has not ticked have no logarithm.
-                costs.emplace_back(Cost{std::max(milliseconds(measured[i]), 1e-6), std::max(measured[i].error, 1e-12)});
+                costs.emplace_back(Cost{std::max(time, 1e-6), std::max(m.errors.at(options.metric), 1e-12),
+                                        std::max(m.seconds, 1e-3)});
             } else {
                 ++result.failed;
                 costs.emplace_back(std::nullopt);
@@ -305,7 +223,7 @@ TuneResult tune(SettingsMeter& meter, const TuneSpace& space, const TuneOptions&
             rows.push_back({probe.choice, confirmed.at(probe.choice), true});
         } else if (probe.cost) {
             rows.push_back({probe.choice, searched.at(probe.choice), false});
-            rows.back().measured.error *= found.pictureFactor;
+            for (auto& [name, error] : rows.back().measured.errors) error *= found.pictureFactor;
         }
     }
     if (found.best) {
@@ -316,9 +234,9 @@ TuneResult tune(SettingsMeter& meter, const TuneSpace& space, const TuneOptions&
     std::stable_sort(rows.begin(), rows.end(), [&](const TuneResult::Row& a, const TuneResult::Row& b) {
         return milliseconds(a.measured) < milliseconds(b.measured);
     });
+    const auto errorOf = [&](const TuneResult::Row& row) { return row.measured.errors.at(options.metric); };
     for (TuneResult::Row& row : rows)
-        if (result.front.empty() || row.measured.error < result.front.back().measured.error)
-            result.front.push_back(std::move(row));
+        if (result.front.empty() || errorOf(row) < errorOf(result.front.back())) result.front.push_back(std::move(row));
     return result;
 }
 

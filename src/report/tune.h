@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "report/evaluate.h"
+#include "report/meter.h"
 #include "report/search.h"
 
 namespace voxcone {
@@ -34,8 +34,9 @@ struct TuneSpace {
     /// The choice whose values are nearest to those of `settings`.
     Choice nearest(const Settings& settings) const;
 
-    /// What searchCheapest is given: begins with `base`, then the presets `fast` and `accurate`, then both ends of all
-    /// knobs, as near as knobs allow; knobs that a choice leaves without effect are at their cheapest value.
+    /// What searchCheapest is given: begins with `base` and the preset `fast`, with both ends of all knobs where these
+    /// are few, and with `accurate` if none of them meets the bound; all as near as knobs allow. Knobs that a choice
+    /// leaves without effect are at their cheapest value.
     SearchSpace searchSpace(bool smallPictures) const;
 };
 
@@ -48,45 +49,8 @@ TuneSpace defaultTuneSpace(const Settings& base, const std::string& channel);
 /// fewer than two of them.
 Knob knobFromText(const std::string& text);
 
-/// Of several shots the largest value of each counts.
-struct Measured {
-    double firstMilliseconds = 0, steadyMilliseconds = 0;  ///< a frame that builds all, and one where nothing moved
-    double error = 0;
-    double samplesPerPixel = 0;
-    std::uint64_t memoryBytes = 0;
-    std::string failure;  ///< why it cannot be rendered; the rest is 0 then
-};
-
-/// Measures settings on the first frame of every shot of a script.
-class SettingsMeter {
-  public:
-    /// `script` without extracted lights, as Evaluator takes it; both must outlive this object. `metric`: a key of
-    /// ChannelResult::errors that is better when it is small; its magnitude is taken. `repeats`: frames whose median
-    /// counts, of steady ones; of first ones only with `firstFrames`, else one is rendered, which may take much longer.
-    SettingsMeter(gl::Context& context, Evaluator& evaluator, const CaptureScript& script, std::string channel,
-                  std::string metric, int repeats, bool firstFrames);
-
-    /// Renders the references of pictures of 1/`divisor` of the script's width and height. `progress` gets 0…1. Throws
-    /// InputError when a shot's reference is black in the channel.
-    void prepare(int divisor, const std::function<void(double)>& progress);
-
-    /// Renders all of `list` in turns. With a `divisor` errors are those of the smaller pictures, but times and samples
-    /// are estimates for the whole ones: passes over pixels take divisor² times as long.
-    std::vector<Measured> measure(const std::vector<Settings>& list, int divisor);
-
-  private:
-    Settings resized(Settings settings, int divisor) const;
-    void measureShot(const Shot& shot, const std::vector<Settings>& list, int divisor, std::vector<Measured>& out);
-
-    gl::Context& context_;
-    Evaluator& evaluator_;
-    const CaptureScript& script_;
-    std::string channel_, metric_;
-    int repeats_;
-    bool firstFrames_;
-};
-
 struct TuneOptions {
+    std::string metric = "relmse";  ///< a key of Measured::errors that is better when it is small
     double maxError = 0;
     std::optional<double> maxMilliseconds;
     bool firstFrame = false;  ///< the time of a frame that builds all, instead of one where nothing moved
@@ -96,17 +60,19 @@ struct TuneOptions {
 struct TuneResult {
     struct Row {
         Choice choice;
-        Measured measured;       ///< error corrected by how far small pictures err
+        Measured measured;       ///< errors corrected by how far small pictures err in the bounded one
         bool confirmed = false;  ///< on whole pictures
     };
     std::vector<Row> front;       ///< of all that was measured: faster than all that err less, by time
     std::optional<Row> cheapest;  ///< of the confirmed ones that meet the error
     bool met = false;             ///< by `cheapest`, the time too
     int measurements = 0, failed = 0;
+    int kept = 0;  ///< measurements that an earlier search left
 };
 
-/// Searches with small pictures where the script's are at least 256 × 144. `onMeasured`, where not empty, hears of each
-/// measurement: its number, choice and figures.
+/// Searches with small pictures where the script's are at least 256 × 144. Of settings that are alike in the time of a
+/// steady frame it takes those that build faster: a thousandth of the first frame is added to what is compared.
+/// `onMeasured`, where not empty, hears of each measurement: its number, choice and figures.
 TuneResult tune(SettingsMeter& meter, const TuneSpace& space, const TuneOptions& options,
                 const std::function<void(int, const Choice&, const Measured&)>& onMeasured = {});
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/program.h"
@@ -20,7 +21,7 @@ class Tune : public testing::Test {
     Outcome tune(const std::string& bound, const std::vector<std::string>& more = {},
                  const std::string& channel = "indirect_diffuse") {
         std::vector<std::string> arguments = {"tune",      script_, "--max-error", bound,
-                                              "--channel", channel, "--references",     (folder_.path() / "cache").string(),
+                                              "--channel", channel, "--cache",     (folder_.path() / "cache").string(),
                                               "--repeats", "1",     "--budget",    "6"};
         for (const char* setting : {"output.width=16", "output.height=16", "voxel.resolution=16",
                                     "light.shadow_resolution=128", "light.bounces=1", "reference.samples=16"})
@@ -69,6 +70,44 @@ TEST_F(Tune, SaysWhenNothingMeetsTheBound) {
     EXPECT_THAT(slow.out, AllOf(HasSubstr("within 1e-06 ms; the cheapest that meets the error takes"),
                                 HasSubstr("nothing found is as fast as that")));
     EXPECT_FALSE(fs::exists(preset));
+}
+
+std::size_t countOf(const std::string& what, const std::string& text) {
+    std::size_t count = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
+    return count;
+}
+
+TEST_F(Tune, BeginsWithWhatAnEarlierSearchMeasured) {
+    const Outcome first = tune("relmse=100");
+    ASSERT_EQ(first.status, 0) << first.err;
+    EXPECT_EQ(countOf("(kept)", first.err), 0u) << first.err;
+    std::size_t files = 0;
+    for (const auto& entry : fs::directory_iterator(folder_.path() / "cache" / "measurements")) {
+        EXPECT_EQ(entry.path().extension(), ".json");
+        ++files;
+    }
+    // Another metric needs the same pictures. What is confirmed is rendered again.
+    const Outcome second = tune("rmse=100");
+    ASSERT_EQ(second.status, 0) << second.err;
+    EXPECT_EQ(countOf("(kept)", second.err), files) << second.err;
+    EXPECT_GE(files, 3u);
+    EXPECT_THAT(second.err, HasSubstr(" measurements of an earlier search, from "));
+}
+
+TEST_F(Tune, SettingsThatEndedTheProgramHaveFailed) {
+    ASSERT_EQ(tune("relmse=100").status, 0);
+    // As if one of them had crashed.
+    fs::path crashed;
+    for (const auto& entry : fs::directory_iterator(folder_.path() / "cache" / "measurements")) crashed = entry.path();
+    fs::remove(crashed);
+    crashed.replace_extension("measuring");
+    std::ofstream(crashed).close();
+    const Outcome outcome = tune("relmse=100");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("the program was ended while it measured this"));
+    EXPECT_THAT(outcome.out, HasSubstr("1 of which failed"));
+    EXPECT_FALSE(fs::exists(crashed));
 }
 
 TEST_F(Tune, WrongUsage) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <random>
 
@@ -66,8 +67,9 @@ SearchSpace spaceOf(const std::vector<int>& sizes) {
 /// Answers from a table, and counts.
 struct Answers {
     const Table& table;
-    double noise = 0;          ///< standard deviation of the logarithm of times
-    double pictureFactor = 1;  ///< errors of the search are less by it
+    double noise = 0;                                  ///< standard deviation of the logarithm of times
+    double pictureFactor = 1;                          ///< errors of the search are less by it
+    std::function<double(const Choice&)> effort = {};  ///< seconds of a measurement; untold when empty
     int calls = 0;
     std::mt19937 random{5};
 
@@ -78,6 +80,7 @@ struct Answers {
             Cost cost = table.at(choice);
             if (noise > 0) cost.milliseconds *= std::exp(std::normal_distribution(0.0, noise)(random));
             if (stage == Stage::search) cost.error /= pictureFactor;
+            if (effort) cost.seconds = effort(choice);
             out.emplace_back(cost);
         }
         return out;
@@ -149,6 +152,63 @@ TEST_P(Searches, NoisyTimes) {
 TEST_P(Searches, SmallPicturesThatErrLess) {
     const Score s = score(GetParam(), false, 0, 1.3);
     EXPECT_GE(s.within, 0.85 * s.total);
+}
+
+/// The last knob builds light: it changes the error but hardly the time, and a measurement takes four times as long at
+/// each of its values.
+TEST(Search, ShortMeasurementsComeFirst) {
+    const std::vector<int> sizes = {4, 4, 4};
+    const auto effort = [](const Choice& choice) { return std::pow(4.0, choice[2]) * (1 + 0.1 * choice[0]); };
+    double told = 0, untold = 0;  // seconds until something within a tenth of the cheapest is measured
+    Score found;
+    for (unsigned seed = 0; seed < 40; ++seed) {
+        Table table = world(seed, sizes, true);
+        for (auto& [choice, cost] : table)
+            cost.milliseconds = table.at({choice[0], choice[1], 0}).milliseconds * (1 + 0.01 * choice[2]);
+        for (const double share : {0.3, 0.6}) {
+            const double bound = boundAt(table, share), good = 1.1 * cheapestOf(table, bound);
+            SearchSpace space;
+            space.sizes = sizes, space.seeds = {{2, 2, 1}, {0, 0, 0}}, space.reserve = {{3, 3, 3}};
+            for (const bool tell : {false, true}) {
+                Answers answers{table};
+                if (tell) answers.effort = effort;
+                const SearchResult result = searchCheapest(space, bound, 20, std::ref(answers));
+                for (const SearchResult::Probe& probe : result.probes) {
+                    (tell ? told : untold) += effort(probe.choice);
+                    if (probe.cost->error <= bound && probe.cost->milliseconds <= good) break;
+                }
+                if (!tell) continue;
+                ++found.total;
+                found.within +=
+                    result.best &&
+                    table.at(result.probes[static_cast<std::size_t>(*result.best)].choice).milliseconds <= good;
+            }
+        }
+    }
+    EXPECT_LE(told, 0.7 * untold);
+    EXPECT_GE(found.within, 0.95 * found.total);
+}
+
+TEST(Search, ReserveIsMeasuredUntilTheBoundIsMet) {
+    // So small a budget leaves nothing to search with.
+    const auto measured = [](double bound) {
+        SearchSpace space;
+        space.sizes = {4}, space.seeds = {{0}}, space.reserve = {{1}, {3}};
+        std::vector<int> order;
+        const MeasureChoices measure = [&](const std::vector<Choice>& choices, Stage stage) {
+            std::vector<std::optional<Cost>> costs;
+            for (const Choice& choice : choices) {
+                if (stage == Stage::search) order.push_back(choice[0]);
+                costs.emplace_back(Cost{1.0 + choice[0], 1.0 / (1 + choice[0])});
+            }
+            return costs;
+        };
+        EXPECT_TRUE(searchCheapest(space, bound, 3, measure).best || bound < 0.5);
+        return order;
+    };
+    EXPECT_EQ(measured(1), (std::vector{0}));
+    EXPECT_EQ(measured(0.5), (std::vector{0, 1}));
+    EXPECT_EQ(measured(0.25), (std::vector{0, 1, 3}));
 }
 
 TEST(Search, TheSameAnswersGiveTheSameSearch) {

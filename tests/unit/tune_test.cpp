@@ -60,10 +60,11 @@ TEST(TuneSpace, SearchBeginsWithTheScriptAndPresets) {
     const TuneSpace space = defaultTuneSpace(base, "beauty");
     const SearchSpace search = space.searchSpace(true);
     EXPECT_TRUE(search.smallPictures);
-    ASSERT_EQ(search.seeds.size(), 3u);
+    ASSERT_EQ(search.seeds.size(), 2u);
+    ASSERT_EQ(search.reserve.size(), 1u);
     EXPECT_EQ(toJson(space.settingsOf(search.seeds[0])), toJson(base));
     // Presets say nothing of the resolution, which stays.
-    const Settings fast = space.settingsOf(search.seeds[1]), accurate = space.settingsOf(search.seeds[2]);
+    const Settings fast = space.settingsOf(search.seeds[1]), accurate = space.settingsOf(search.reserve[0]);
     EXPECT_EQ(fast.voxel.resolution, 64);
     EXPECT_EQ(fast.cone.diffuse, 6);
     EXPECT_EQ(fast.cone.nearField, 8);

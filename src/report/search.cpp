@@ -157,8 +157,6 @@ class Search {
             VOXCONE_CHECK(seed.size() == space_.sizes.size(), "{} of {} knobs", seed.size(), space_.sizes.size());
             probe(space_.canonicalOf(seed));
         }
-        for (const Choice& choice : space_.reserve)
-            if (!met()) probe(space_.canonicalOf(choice));
         if (space_.smallPictures) confirm(1);
         // What confirming leaves of the budget goes into searching on.
         bool more = true;
@@ -177,11 +175,6 @@ class Search {
     static constexpr int kConfirmed = 2;  ///< choices that are confirmed together, at most
 
     double bound() const { return maxError_ / result_.pictureFactor; }
-
-    bool met() const {
-        return std::any_of(result_.probes.begin(), result_.probes.end(),
-                           [&](const SearchResult::Probe& p) { return p.cost && p.cost->error <= bound(); });
-    }
 
     bool known(const Choice& choice) const {
         return std::any_of(result_.probes.begin(), result_.probes.end(),

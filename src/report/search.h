@@ -29,7 +29,6 @@ struct SearchSpace {
     std::vector<int> sizes;  ///< values of each knob, at least 1
     /// Measured first, in this order; at least one.
     std::vector<Choice> seeds;
-    std::vector<Choice> reserve;  ///< measured next, one by one until the bound is met
     /// Maps choices that make the same picture to one of them; identity when empty.
     std::function<Choice(Choice)> canonical;
     bool smallPictures = false;  ///< errors of Stage::search are those of smaller pictures
@@ -57,7 +56,7 @@ struct SearchResult {
     double pictureFactor = 1;   ///< error of the pictures meant over that of those searched with
 };
 
-/// Searches with at most `budget` measurements (at least one for each of seeds and reserve, and one more), of which
+/// Searches with at most `budget` measurements (at least one for each seed and one more), of which
 /// some confirm. Without a choice that meets `maxError` the one that seems to err least is confirmed and `best` stays
 /// empty. The same answers give the same search.
 SearchResult searchCheapest(const SearchSpace& space, double maxError, int budget, const MeasureChoices& measure);

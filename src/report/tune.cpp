@@ -86,18 +86,13 @@ SearchSpace TuneSpace::searchSpace(bool smallPictures) const {
         lowest.push_back(0), highest.push_back(static_cast<int>(knob.values.size()) - 1);
     }
     space.seeds.push_back(nearest(base));
-    for (const char* preset : {"fast", "accurate"}) {
-        Settings settings = base;
-        applyPreset(settings, preset);
-        // What presets do not speak of stays.
-        Choice seed = nearest(settings);
-        for (std::size_t k = 0; k < knobs.size(); ++k)
-            if (valueIn(settings, knobs[k].key) == valueIn(Settings(), knobs[k].key)) seed[k] = space.seeds[0][k];
-        space.seeds.push_back(seed);
-    }
-    // Where `accurate` builds light for minutes, it is only asked what it can do if nothing less will.
-    space.reserve = {space.seeds.back()};
-    space.seeds.pop_back();
+    // Not `accurate`, whose light may take minutes: the search goes up to it where nothing less will do.
+    Settings fast = base;
+    applyPreset(fast, "fast");
+    space.seeds.push_back(nearest(fast));
+    // What presets do not speak of stays.
+    for (std::size_t k = 0; k < knobs.size(); ++k)
+        if (valueIn(fast, knobs[k].key) == valueIn(Settings(), knobs[k].key)) space.seeds[1][k] = space.seeds[0][k];
     // A few knobs of one's own may look the same under all presets.
     if (knobs.size() < 6) space.seeds.insert(space.seeds.end(), {lowest, highest});
 

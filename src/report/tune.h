@@ -34,9 +34,8 @@ struct TuneSpace {
     /// The choice whose values are nearest to those of `settings`.
     Choice nearest(const Settings& settings) const;
 
-    /// What searchCheapest is given: begins with `base` and the preset `fast`, with both ends of all knobs where these
-    /// are few, and with `accurate` if none of them meets the bound; all as near as knobs allow. Knobs that a choice
-    /// leaves without effect are at their cheapest value.
+    /// What searchCheapest is given: begins with `base`, the preset `fast`, and both ends of all knobs where these are
+    /// few, as near as knobs allow. Knobs that a choice leaves without effect are at their cheapest value.
     SearchSpace searchSpace(bool smallPictures) const;
 };
 

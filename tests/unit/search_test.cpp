@@ -168,7 +168,7 @@ TEST(Search, ShortMeasurementsComeFirst) {
         for (const double share : {0.3, 0.6}) {
             const double bound = boundAt(table, share), good = 1.1 * cheapestOf(table, bound);
             SearchSpace space;
-            space.sizes = sizes, space.seeds = {{2, 2, 1}, {0, 0, 0}}, space.reserve = {{3, 3, 3}};
+            space.sizes = sizes, space.seeds = {{2, 2, 1}, {0, 0, 0}};
             for (const bool tell : {false, true}) {
                 Answers answers{table};
                 if (tell) answers.effort = effort;
@@ -187,28 +187,6 @@ TEST(Search, ShortMeasurementsComeFirst) {
     }
     EXPECT_LE(told, 0.7 * untold);
     EXPECT_GE(found.within, 0.95 * found.total);
-}
-
-TEST(Search, ReserveIsMeasuredUntilTheBoundIsMet) {
-    // So small a budget leaves nothing to search with.
-    const auto measured = [](double bound) {
-        SearchSpace space;
-        space.sizes = {4}, space.seeds = {{0}}, space.reserve = {{1}, {3}};
-        std::vector<int> order;
-        const MeasureChoices measure = [&](const std::vector<Choice>& choices, Stage stage) {
-            std::vector<std::optional<Cost>> costs;
-            for (const Choice& choice : choices) {
-                if (stage == Stage::search) order.push_back(choice[0]);
-                costs.emplace_back(Cost{1.0 + choice[0], 1.0 / (1 + choice[0])});
-            }
-            return costs;
-        };
-        EXPECT_TRUE(searchCheapest(space, bound, 3, measure).best || bound < 0.5);
-        return order;
-    };
-    EXPECT_EQ(measured(1), (std::vector{0}));
-    EXPECT_EQ(measured(0.5), (std::vector{0, 1}));
-    EXPECT_EQ(measured(0.25), (std::vector{0, 1, 3}));
 }
 
 TEST(Search, TheSameAnswersGiveTheSameSearch) {

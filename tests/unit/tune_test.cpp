@@ -54,23 +54,19 @@ TEST(TuneSpace, LeavesOutWhatCannotMatter) {
     EXPECT_FALSE(knobOf(defaultTuneSpace(thesis, "beauty"), "cone.footprint_cap"));
 }
 
-TEST(TuneSpace, SearchBeginsWithTheScriptAndPresets) {
+TEST(TuneSpace, SearchBeginsWithTheScriptAndFast) {
     Settings base;
     base.voxel.resolution = 64;
     const TuneSpace space = defaultTuneSpace(base, "beauty");
     const SearchSpace search = space.searchSpace(true);
     EXPECT_TRUE(search.smallPictures);
     ASSERT_EQ(search.seeds.size(), 2u);
-    ASSERT_EQ(search.reserve.size(), 1u);
     EXPECT_EQ(toJson(space.settingsOf(search.seeds[0])), toJson(base));
-    // Presets say nothing of the resolution, which stays.
-    const Settings fast = space.settingsOf(search.seeds[1]), accurate = space.settingsOf(search.reserve[0]);
+    // The preset says nothing of the resolution, which stays.
+    const Settings fast = space.settingsOf(search.seeds[1]);
     EXPECT_EQ(fast.voxel.resolution, 64);
     EXPECT_EQ(fast.cone.diffuse, 6);
     EXPECT_EQ(fast.cone.nearField, 8);
-    EXPECT_EQ(accurate.voxel.resolution, 64);
-    EXPECT_EQ(accurate.cone.diffuse, 32);
-    EXPECT_EQ(accurate.light.bounces, 6);
 }
 
 TEST(TuneSpace, SettingsWithoutEffectMakeOneChoice) {

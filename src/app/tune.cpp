@@ -82,20 +82,31 @@ int run(const Options& options) {
     SettingsMeter meter(*context, evaluator, script, options.channel, options.repeats, options.frame == "first",
                         cache / "measurements");
     const std::string name = std::filesystem::path(options.file).stem().string();
+    double noise = 0;
     for (int divisor = tuneDivisor(script.settings); divisor > 0; --divisor) {
         Progress progress("reference " + name);
-        meter.prepare(divisor, [&](double fraction) { progress.update(fraction); });
+        noise = meter.prepare(divisor, [&](double fraction) { progress.update(fraction); });
     }
+    if (bound.metric == "relmse" && noise > 0.25 * bound.value)
+        log::info("the reference's own noise is relmse {:.3g} of {}: with more reference.samples errors would be less",
+                  noise, options.channel);
     const TuneOptions tuning{bound.metric, bound.value, options.maxMilliseconds, options.frame == "first",
                              options.budget};
     const auto time = [&](const Measured& m) { return tuning.firstFrame ? m.firstMilliseconds : m.steadyMilliseconds; };
-    const TuneResult result = tune(meter, space, tuning, [&](int number, const Choice& choice, const Measured& m) {
-        log::info("{:>3}/{}  {}  {}  {}", number, options.budget,
-                  m.failure.empty()
-                      ? fmt::format("{:>9.4g} ms  {} {:<9.4g}", time(m), bound.metric, m.errors.at(bound.metric))
-                      : m.failure,
-                  m.kept ? "  (kept)" : fmt::format("{:>6.1f} s", m.seconds), space.changesOf(choice));
-    });
+    TuneEvents events;
+    events.before = [&](int number, const std::vector<Choice>& choices) {
+        for (const Choice& choice : choices)
+            log::info("{:>3}/{}{}: {}", number++, options.budget, choices.size() > 1 ? ", in turns" : "",
+                      space.changesOf(choice));
+    };
+    events.after = [&](const Measured& m) {
+        if (m.failure.empty())
+            log::info("        {:.4g} ms, {} {:.4g}, {}", time(m), bound.metric, m.errors.at(bound.metric),
+                      m.kept ? "kept from an earlier search" : fmt::format("measured in {:.1f} s", m.seconds));
+        else
+            log::info("        {}", m.failure);
+    };
+    const TuneResult result = tune(meter, space, tuning, events);
     if (result.kept > 0) log::info("{} measurements of an earlier search, from {}", result.kept, options.cache);
 
     fmt::print("trade-offs of {}, {} x {} pixels, {} of {}, {} times of {} measurements of settings{}:\n", name,

@@ -74,7 +74,8 @@ std::vector<fs::path> runReference(const CaptureScript& script, const fs::path& 
                                        {"samples", images->samples},
                                        {"seconds", images->seconds},
                                        {"beauty_error", images->beautyError},
-                                       {"indirect_diffuse_error", images->indirectDiffuseError}});
+                                       {"indirect_diffuse_error", images->indirectDiffuseError},
+                                       {"noise_relmse", images->noise}});
             for (const std::string& channel : shot.channels) {
                 const Image* image = referenceChannel(*images, channel);
                 if (image == nullptr) continue;

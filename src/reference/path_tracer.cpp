@@ -293,6 +293,24 @@ double relativeError(std::size_t pixels, Value&& value) {
     return mean > 0 ? std::sqrt(squares / values) / (mean / values) : 0;
 }
 
+/// The relMSE of a picture without error against the mean of two independent halves: ε as in linearError().
+template <class Value>
+double noiseOf(std::size_t pixels, Value&& value) {
+    double power = 0;
+    for (std::size_t k = 0; k < pixels; ++k) {
+        const glm::dvec3 mean = 0.5 * (value(k, 0) + value(k, 1));
+        power += glm::dot(mean, mean);
+    }
+    if (power == 0) return 0;
+    const double values = 3 * static_cast<double>(pixels), epsilon = 0.01 * power / values;
+    double sum = 0;
+    for (std::size_t k = 0; k < pixels; ++k) {
+        const glm::dvec3 a = value(k, 0), b = value(k, 1), mean = 0.5 * (a + b);
+        for (int c = 0; c < 3; ++c) sum += (a[c] - b[c]) * (a[c] - b[c]) / 4 / (mean[c] * mean[c] + epsilon);
+    }
+    return sum / values;
+}
+
 void setPixel(Image& image, std::size_t pixel, const glm::dvec3& value) {
     for (int c = 0; c < 3; ++c) image.data[3 * pixel + static_cast<std::size_t>(c)] = static_cast<float>(value[c]);
 }
@@ -578,6 +596,14 @@ ReferenceImages PathTracer::render(const Camera& camera, const Settings& setting
     }
     images.indirectDiffuseError = relativeError(
         pixels, [&](std::size_t k, std::size_t h) { return halfMean(k, h, [](auto& s) { return s.diffuse; }); });
+    const auto noise = [&](const char* channel, auto select) {
+        images.noise[channel] = noiseOf(pixels, [&](std::size_t k, std::size_t h) { return halfMean(k, h, select); });
+    };
+    noise("beauty", [](auto& s) { return s.beauty(); });
+    noise("direct", [](auto& s) { return s.direct; });
+    noise("indirect_diffuse", [](auto& s) { return s.diffuse; });
+    noise("indirect_specular", [](auto& s) { return s.specular; });
+    noise("transmission", [](auto& s) { return s.transmission; });
     if (progress) progress(1);
     images.samples = 2 * cells * done;
 

@@ -3,7 +3,9 @@
 
 #include <functional>
 #include <glm/glm.hpp>
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/settings.h"
@@ -42,6 +44,9 @@ struct ReferenceImages {
     /// Standard error of the mean of beauty and of indirectDiffuse, as RMS over pixels relative to the mean value, from
     /// two independent halves of the samples.
     double beautyError = 0, indirectDiffuseError = 0;
+    /// The relMSE (metric/metrics.h) that a picture without any error would show against a channel, because of the noise
+    /// that the channel has left: from the halves. Of beauty, direct, indirect_diffuse, indirect_specular, transmission.
+    std::map<std::string, double> noise;
     int samples = 0;  ///< per pixel
     double seconds = 0;
 };

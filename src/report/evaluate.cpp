@@ -129,6 +129,7 @@ std::optional<Reference> readReference(const fs::path& folder, const std::string
         reference.samples = tree.at("samples"), reference.maxDepth = tree.at("depth");
         reference.seconds = tree.at("seconds");
         reference.standardErrors = tree.at("standard_error").get<std::map<std::string, double>>();
+        reference.noise = tree.value("noise_relmse", reference.noise);
         for (const std::string channel : tree.at("channels"))
             reference.channels[channel] = readImage(channelFile(folder, channel));
     } catch (const json::exception& error) {
@@ -149,6 +150,7 @@ void writeReference(const fs::path& folder, const Reference& reference) {
                         {"depth", reference.maxDepth},
                         {"seconds", reference.seconds},
                         {"standard_error", reference.standardErrors},
+                        {"noise_relmse", reference.noise},
                         {"channels", channels}};
     writeTextFile(folder / "reference.json", facts.dump(2) + "\n");
 }
@@ -342,6 +344,8 @@ Reference Evaluator::reference(const Shot& shot, int frame, const Settings& sett
                           &images.indirectSpecular, &images.transmission, &images.ao};
     for (std::size_t i = 0; i < std::size(all); ++i)
         if (!black(*all[i])) reference.channels[kReferenceChannels[i]] = std::move(*all[i]);
+    for (const auto& [channel, noise] : images.noise)
+        if (reference.channels.contains(channel)) reference.noise[channel] = noise;
     writeReference(folder, reference);
     return reference;
 }

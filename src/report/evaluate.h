@@ -25,7 +25,8 @@ struct Reference {
     std::map<std::string, Image> channels;
     /// Of beauty and indirect_diffuse: RMS over pixels of the standard error, relative to the mean value.
     std::map<std::string, double> standardErrors;
-    int samples = 0;  ///< per pixel
+    std::map<std::string, double> noise;  ///< ReferenceImages::noise, of `channels` but ao
+    int samples = 0;                      ///< per pixel
     int maxDepth = 0;
     double seconds = 0;  ///< of the run that rendered it
 };

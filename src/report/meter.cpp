@@ -67,9 +67,10 @@ Settings SettingsMeter::resized(Settings settings, int divisor) const {
     return settings;
 }
 
-void SettingsMeter::prepare(int divisor, const std::function<void(double)>& progress) {
+double SettingsMeter::prepare(int divisor, const std::function<void(double)>& progress) {
     const Settings settings = resized(script_.settings, divisor);
     const double shots = static_cast<double>(script_.shots.size());
+    double noise = 0;
     for (std::size_t i = 0; i < script_.shots.size(); ++i) {
         const Shot& shot = script_.shots[i];
         const Reference truth = evaluator_.reference(shot, shot.firstFrame, settings, [&](double fraction) {
@@ -78,7 +79,10 @@ void SettingsMeter::prepare(int divisor, const std::function<void(double)>& prog
         if (!truth.channels.contains(channel_))
             throw InputError(script_.scene.file.string(), "",
                              fmt::format("{} of shot {} is black: there is nothing to tune", channel_, shot.name));
+        if (const auto found = truth.noise.find(channel_); found != truth.noise.end())
+            noise = std::max(noise, found->second);
     }
+    return noise;
 }
 
 Measured SettingsMeter::measure(const Settings& settings, int divisor) {

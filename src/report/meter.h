@@ -32,9 +32,9 @@ class SettingsMeter {
     SettingsMeter(gl::Context& context, Evaluator& evaluator, const CaptureScript& script, std::string channel,
                   int repeats, bool firstFrames, std::filesystem::path folder);
 
-    /// Renders the references of pictures of 1/`divisor` of the script's width and height. `progress` gets 0…1. Throws
-    /// InputError when a shot's reference is black in the channel.
-    void prepare(int divisor, const std::function<void(double)>& progress);
+    /// Renders the references of pictures of 1/`divisor` of the script's width and height; returns the largest noise of
+    /// one in the channel, as relMSE. `progress` gets 0…1. Throws InputError when a shot's reference is black there.
+    double prepare(int divisor, const std::function<void(double)>& progress);
 
     /// With a `divisor` errors are those of the smaller pictures, but times and samples are estimates for the whole
     /// ones: passes over pixels take divisor² times as long. Where the folder holds a measurement by this program on

@@ -311,6 +311,11 @@ class Scatter {
       lines.append(svg("line", { class: "unity", x1: x.map(1), x2: x.map(1), y1: area.top, y2: area.bottom }));
       lines.append(svg("line", { class: "unity", x1: area.left, x2: area.right, y1: y.map(1), y2: y.map(1) }));
     }
+    const floor = spec.floor > 0 ? y.map(spec.floor) : Infinity;
+    if (floor > area.top && floor < area.bottom) {
+      lines.append(svg("line", { class: "floor", x1: area.left, x2: area.right, y1: floor, y2: floor }));
+      lines.append(svg("text", { x: area.right - 4, y: floor + 14, "text-anchor": "end" }, "noise of the reference"));
+    }
     lines.append(svg("path", { class: "axis", fill: "none", d: `M${area.left} ${area.top}V${area.bottom}H${area.right}` }));
     lines.append(svg("text", { class: "title", x: 2, y: 14 }, `↑ ${shortened(spec.yTitle, Math.floor(width / 7) - 4)}`));
     lines.append(svg("text", { class: "title", x: area.right, y: height - 8, "text-anchor": "end" }, `${spec.xTitle} →`));
@@ -445,6 +450,9 @@ function emptyReason(list) {
   return `No row has both a time of “${timeTitle()}” and ${errorTitle()}.`;
 }
 
+/** The relMSE that a picture without error would have, for the noise of the reference; undefined where it is not known. */
+const noiseOf = (v) => ((views[v].reference || {}).noise_relmse || {})[state.channel];
+
 function viewPlot(v) {
   const points = pointsOfView(v);
   for (const point of points) {
@@ -452,7 +460,7 @@ function viewPlot(v) {
     point.tip = () => tipOfRow(point.row);
   }
   return { points, xTitle: `ms, ${timeTitle()}`, yTitle: errorTitle(), xShow: tickText,
-           yShow: state.metric === "psnr" ? showError : tickText,
+           yShow: state.metric === "psnr" ? showError : tickText, floor: state.metric === "relmse" ? noiseOf(v) : undefined,
            label: `${views[v].id}: milliseconds of ${timeTitle()} against ${errorTitle()}`, empty: emptyReason(rowsOfView[v]) };
 }
 
@@ -877,10 +885,10 @@ function controls() {
 
 function aboutView(v) {
   const view = views[v], reference = view.reference || {};
-  const noise = (reference.standard_error || {})[state.channel];
+  const noise = noiseOf(v);
   return listed(view.width && `${view.width}×${view.height}`, view.triangles !== undefined && `${whole(view.triangles)} triangles`,
     reference.samples !== undefined && `reference: ${whole(reference.samples)} samples a pixel`,
-    reference.depth !== undefined && `depth ${reference.depth}`, Number.isFinite(noise) && `standard error of ${state.channel} ${figure(noise)}`);
+    reference.depth !== undefined && `depth ${reference.depth}`, noise > 0 && `its noise alone: relMSE ${figure(noise)} of ${state.channel}`);
 }
 
 function sections() {

@@ -349,7 +349,8 @@ class Runner {
         }
         return {{"key", reference.key},         {"samples", reference.samples},
                 {"depth", reference.maxDepth},  {"standard_error", reference.standardErrors},
-                {"seconds", reference.seconds}, {"images", images}};
+                {"seconds", reference.seconds}, {"noise_relmse", reference.noise},
+                {"images", images}};
     }
 
     /// All of it is there.

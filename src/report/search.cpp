@@ -19,9 +19,12 @@ struct Prediction {
 /// Gaussian process over choices: see search.h. Values are logarithms.
 class Model {
   public:
-    /// `direction`: +1 when steps of knobs are thought to raise the value, −1 to lower it.
-    Model(const SearchSpace& space, int direction) : direction_(direction) {
-        parameters_.steps.assign(space.sizes.size(), 0.2);
+    /// `direction`: +1 when steps of knobs are thought to raise the value, −1 to lower it. `typical`: by how much, by
+    /// knob; empty for 20 % each.
+    Model(const SearchSpace& space, int direction, const std::vector<double>& typical = {})
+        : direction_(direction), typical_(typical.empty() ? std::vector(space.sizes.size(), 0.2) : typical) {
+        VOXCONE_CHECK(typical_.size() == space.sizes.size(), "{} of {} knobs", typical_.size(), space.sizes.size());
+        parameters_.steps = typical_;
     }
 
     /// `noise`: the standard deviations that a measurement may have; the likeliest is taken.
@@ -40,7 +43,12 @@ class Model {
             parameter = kept;
         };
         for (int round = 0; round < 2; ++round) {
-            for (double& step : parameters_.steps) improve(step, {0.01, 0.03, 0.08, 0.15, 0.3, 0.6, 1.2});
+            for (std::size_t k = 0; k < parameters_.steps.size(); ++k) {
+                std::vector<double> candidates;
+                for (const double factor : {0.05, 0.15, 0.4, 0.75, 1.5, 3.0, 6.0})
+                    candidates.push_back(factor * typical_[k]);
+                improve(parameters_.steps[k], candidates);
+            }
             improve(parameters_.together, {0.3, 1, 3});
             improve(parameters_.noise, noise);
         }
@@ -108,12 +116,14 @@ class Model {
             for (std::size_t j = i + 1; j < n; ++j) weights_[i] -= lower_[j * n + i] * weights_[j];
             weights_[i] /= lower_[i * n + i];
         }
-        // Steps change about 20 %, give or take a factor of three.
-        for (const double step : parameters_.steps) score -= 0.5 * std::pow(std::log(step / 0.2) / std::log(3.0), 2);
+        // Steps change what is typical, give or take a factor of three.
+        for (std::size_t k = 0; k < typical_.size(); ++k)
+            score -= 0.5 * std::pow(std::log(parameters_.steps[k] / typical_[k]) / std::log(3.0), 2);
         return score;
     }
 
     double direction_;
+    std::vector<double> typical_;
     Parameters parameters_;
     std::vector<Choice> choices_;
     std::vector<double> values_, lower_, weights_;
@@ -345,7 +355,7 @@ class Search {
     const int budget_;
     const MeasureChoices& measure_;
     std::vector<Choice> all_;  ///< canonical; empty when there are too many
-    Model time_{space_, +1}, error_{space_, -1}, effort_{space_, +1};
+    Model time_{space_, +1}, error_{space_, -1}, effort_{space_, +1, space_.efforts};
     bool effortsKnown_ = false;
     std::mt19937 random_{1};
     SearchResult result_;

@@ -31,6 +31,9 @@ struct SearchSpace {
     std::vector<Choice> seeds;
     /// Maps choices that make the same picture to one of them; identity when empty.
     std::function<Choice(Choice)> canonical;
+    /// By knob: by what one step raises the logarithm of the seconds that a measurement takes, as far as is known
+    /// before one; 0.2 each when empty.
+    std::vector<double> efforts;
     bool smallPictures = false;  ///< errors of Stage::search are those of smaller pictures
 
     Choice canonicalOf(Choice choice) const { return canonical ? canonical(std::move(choice)) : choice; }

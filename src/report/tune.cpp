@@ -83,6 +83,10 @@ SearchSpace TuneSpace::searchSpace(bool smallPictures) const {
     for (const Knob& knob : knobs) {
         places[knob.key] = space.sizes.size();
         space.sizes.push_back(static_cast<int>(knob.values.size()));
+        // Surfaces of twice the resolution have four times the voxels, each of which gathers its bounces by cones.
+        space.efforts.push_back(knob.key == "voxel.resolution" ? std::log(4.0)
+                                : knob.key == "cascade.levels" ? 0.5
+                                                               : 0.2);
         lowest.push_back(0), highest.push_back(static_cast<int>(knob.values.size()) - 1);
     }
     space.seeds.push_back(nearest(base));
@@ -171,8 +175,7 @@ int tuneDivisor(const Settings& settings) {
     return settings.output.width >= 256 && settings.output.height >= 144 ? 2 : 1;
 }
 
-TuneResult tune(SettingsMeter& meter, const TuneSpace& space, const TuneOptions& options,
-                const std::function<void(int, const Choice&, const Measured&)>& onMeasured) {
+TuneResult tune(SettingsMeter& meter, const TuneSpace& space, const TuneOptions& options, const TuneEvents& events) {
     const int divisor = tuneDivisor(space.base);
     const auto milliseconds = [&](const Measured& m) {
         return options.firstFrame ? m.firstMilliseconds : m.steadyMilliseconds;
@@ -186,14 +189,16 @@ TuneResult tune(SettingsMeter& meter, const TuneSpace& space, const TuneOptions&
         std::vector<Settings> list;
         for (const Choice& choice : choices) list.push_back(space.settingsOf(choice));
         std::vector<Measured> measured;
+        if (events.before) events.before(number + 1, choices);
+        number += static_cast<int>(choices.size());
         if (search)
-            for (const Settings& settings : list) measured.push_back(meter.measure(settings, divisor));
+            measured = {meter.measure(list.front(), divisor)};
         else
             measured = meter.compare(list);
         std::vector<std::optional<Cost>> costs;
         for (std::size_t i = 0; i < choices.size(); ++i) {
             const Measured& m = measured[i];
-            if (onMeasured) onMeasured(++number, choices[i], m);
+            if (events.after) events.after(m);
             result.kept += m.kept;
             if (m.failure.empty()) {
                 (search ? searched : confirmed)[choices[i]] = m;

@@ -69,11 +69,17 @@ struct TuneResult {
     int kept = 0;  ///< measurements that an earlier search left
 };
 
+/// Calls that tell how the search gets on; each may be empty.
+struct TuneEvents {
+    std::function<void(int, const std::vector<Choice>&)>
+        before;                                  ///< number of the first, and what is measured in turns
+    std::function<void(const Measured&)> after;  ///< for each of them
+};
+
 /// Searches with small pictures where the script's are at least 256 × 144. Of settings that are alike in the time of a
 /// steady frame it takes those that build faster: a thousandth of the first frame is added to what is compared.
-/// `onMeasured`, where not empty, hears of each measurement: its number, choice and figures.
 TuneResult tune(SettingsMeter& meter, const TuneSpace& space, const TuneOptions& options,
-                const std::function<void(int, const Choice&, const Measured&)>& onMeasured = {});
+                const TuneEvents& events = {});
 
 /// 2 where tune() searches with small pictures, else 1.
 int tuneDivisor(const Settings& settings);

@@ -107,6 +107,8 @@ TEST_F(Evaluating, ReferencesAreRenderedOnceAndKeyedByWhatTheyDependOn) {
     EXPECT_EQ(made.key, found.key);
     EXPECT_EQ(made.samples, found.samples);
     EXPECT_EQ(made.standardErrors, found.standardErrors);
+    EXPECT_EQ(made.noise, found.noise);
+    EXPECT_GT(made.noise.at("indirect_diffuse"), 0);
     ASSERT_EQ(made.channels.size(), found.channels.size());
     for (const auto& [channel, image] : made.channels) EXPECT_EQ(image.data, found.channels.at(channel).data);
 

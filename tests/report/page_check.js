@@ -21,6 +21,7 @@
     const found = {
       points: points(),
       front: plots().map((plot) => [...plot.querySelectorAll(".best")].map((point) => point.getAttribute("aria-label"))),
+      floors: all(".plot .floor").length,
       empty: all(".plot > .empty").map((line) => line.textContent),
       ticks: all(".plot text").map((text) => text.textContent),
       rows: all("#table tbody tr").length,

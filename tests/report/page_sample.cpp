@@ -126,6 +126,7 @@ json sampleReport(const fs::path& folder) {
                {"depth", 16},
                {"seconds", 48.2},
                {"standard_error", {{"beauty", 0.00031}, {"indirect_diffuse", 0.00044}}},
+               {"noise_relmse", {{"beauty", 0.012 * scale}, {"indirect_diffuse", 0.00044}}},
                {"images", {{"beauty", fmt::format("images/{}-{}-reference.png", scene, shot)}}}}}});
         int index = 0;
         for (const Sweep& sweep : sweeps) {

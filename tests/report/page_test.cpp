@@ -182,6 +182,8 @@ TEST_F(Page, PlotsEveryMeasuredRowAndItsFront) {
         });
     }
     EXPECT_THAT(found_["many-1280"]["front"][0], SizeIs(best));
+    EXPECT_EQ(found_["main-1280"]["floors"], 3);  // of the reference's noise, where plots reach down to it
+    EXPECT_EQ(found_["many-1280"]["floors"], 0);
 }
 
 TEST_F(Page, SortsFiltersPicksAndSaves) {

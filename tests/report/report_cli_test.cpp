@@ -115,6 +115,7 @@ TEST_F(Reports, HaveARowForEveryViewAndConfiguration) {
     for (const json& view : report["views"]) {
         EXPECT_EQ(view["reference"]["samples"], 8);
         EXPECT_GT(view["reference"]["standard_error"]["indirect_diffuse"].get<double>(), 0);
+        EXPECT_GT(view["reference"]["noise_relmse"]["indirect_diffuse"].get<double>(), 0);
         EXPECT_EQ(readImage(out() / view["reference"]["images"]["beauty"].get<std::string>()).width, 24);
     }
     EXPECT_EQ(report["configurations"][1]["set"], (json{{"cone.diffuse", 5}}));

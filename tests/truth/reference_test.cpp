@@ -8,6 +8,7 @@
 #include <functional>
 #include <glm/gtc/constants.hpp>
 
+#include "metric/metrics.h"
 #include "scene/brdf.h"
 #include "scene/environment.h"
 #include "scene/extract.h"
@@ -732,6 +733,15 @@ TEST(Pictures, ErrorIsThatOfIndependentRuns) {
         std::sqrt(squares / static_cast<double>(truth.beauty.data.size())) / ((mean.x + mean.y + mean.z) / 3);
     EXPECT_GT(rough.beautyError, 0.6 * actual);
     EXPECT_LT(rough.beautyError, 1.6 * actual);
+    // What a picture without error shows against a noisy reference.
+    for (const auto& [channel, pair] :
+         {std::pair("beauty", std::pair(&truth.beauty, &rough.beauty)),
+          std::pair("indirect_diffuse", std::pair(&truth.indirectDiffuse, &rough.indirectDiffuse))}) {
+        const double shown = linearError(*pair.second, *pair.first).relMse;
+        EXPECT_GT(rough.noise.at(channel), 0.7 * shown) << channel;
+        EXPECT_LT(rough.noise.at(channel), 1.4 * shown) << channel;
+    }
+    EXPECT_EQ(rough.noise.at("transmission"), 0);
 
     Settings adaptive = withSamples(1 << 14);
     adaptive.reference.error = 0.03;

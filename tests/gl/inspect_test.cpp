@@ -33,15 +33,9 @@ Scene everything() {
     bulb.type = LightType::point;
     bulb.position = {0.8, 1.2, 0.4};
     bulb.intensity = glm::vec3(0.5f, 0.4f, 0.3f);
-    Material glass = glossy({1, 0.9f, 0.8f}, 0, 0.1f);
-    glass.transmission = 1;
-    glass.thickness = 0.6f;
-    Material leaf = lambert(0.4f);
-    leaf.diffuseTransmission = 0.5f;
-    leaf.doubleSided = true;
     return SceneBuilder()
-        .add(sphere(0.3, 3), glass, translation({-0.3, 0.3, 0.9}))
-        .add(quad(0.7, 0.7), leaf, translation({0.2, 0.9, 0.3}) * rotation(50, {1, 0, 0}))
+        .add(sphere(0.3, 3), tintedGlass(), translation({-0.3, 0.3, 0.9}))
+        .add(quad(0.7, 0.7), greenLeaf(), translation({0.2, 0.9, 0.3}) * rotation(50, {1, 0, 0}))
         .add(quad(4, 4), glossy({0.7f, 0.6f, 0.5f}, 0, 0.5f))
         .add(box({0.8, 0.8, 0.8}), glossy({0.8f, 0.3f, 0.2f}, 1, 0.05f),
              translation({-0.9, 0.4, 0}) * rotation(30, {0, 1, 0}))

@@ -42,15 +42,9 @@ Scene mixed(const glm::dmat4& placement = glm::dmat4(1)) {
     bulb.position = {0.8, 1.2, 0.4};
     bulb.radius = 0.1;
     bulb.intensity = glm::vec3(0.5f, 0.4f, 0.3f);
-    Material glass = glossy({1, 0.9f, 0.8f}, 0, 0.1f);
-    glass.transmission = 1;
-    glass.thickness = 0.6f;
-    Material leaf = lambert(0.4f);
-    leaf.diffuseTransmission = 0.5f;
-    leaf.doubleSided = true;
     return SceneBuilder()
-        .add(sphere(0.3, 3), glass, translation({-0.2, 0.3, 1}))
-        .add(quad(0.6, 0.6), leaf, translation({0.3, 1, 0.3}) * rotation(30, {1, 0, 0}))
+        .add(sphere(0.3, 3), tintedGlass(), translation({-0.2, 0.3, 1}))
+        .add(quad(0.6, 0.6), greenLeaf(), translation({0.3, 1, 0.3}) * rotation(30, {1, 0, 0}))
         .add(quad(4, 4), glossy({0.7f, 0.7f, 0.7f}, 0, 0.4f))
         .add(box({1, 1, 1}), lambert(glm::vec3(0.8f, 0.2f, 0.1f)),
              translation({-0.8, 0.5, 0}) * rotation(30, {0, 1, 0}))

@@ -72,6 +72,13 @@ Material greenLeaf() {
     return leaf;
 }
 
+Material tintedGlass() {
+    Material glass = glossy({1, 0.9f, 0.8f}, 0, 0.1f);
+    glass.transmission = 1;
+    glass.thickness = 0.6f;
+    return glass;
+}
+
 Light sunFromBelow() {
     Light sun;
     sun.type = LightType::directional;

@@ -13,6 +13,8 @@ Material lambert(const glm::vec3& albedo, const glm::vec3& emission = glm::vec3(
 Material lambert(float albedo, float emission = 0);
 /// Two-sided sheet of albedo 0.8 that scatters (0.5, 1, 0.2) times a quarter of the light to its other side.
 Material greenLeaf();
+/// Solid that transmits a tint of (1, 0.9, 0.8), of roughness 0.1 and thickness 0.6.
+Material tintedGlass();
 /// Directional light along +y, irradiance 2.
 Light sunFromBelow();
 /// glTF metallic-roughness material without emission; dielectric F0 = 0.04.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <random>
 #include <set>
 
@@ -212,8 +213,10 @@ class Search {
         }
         time_.fit(choices, times, {0.01, 0.03, 0.1, 0.25});
         error_.fit(choices, errors, {0.03, 0.08});
-        effortsKnown_ = efforts.size() == choices.size();
-        if (effortsKnown_) effort_.fit(choices, efforts, {0.03, 0.1, 0.3});
+        usualEffort_.reset();
+        if (efforts.size() < choices.size()) return;
+        effort_.fit(choices, efforts, {0.03, 0.1, 0.3});
+        usualEffort_ = std::accumulate(efforts.begin(), efforts.end(), 0.0) / static_cast<double>(efforts.size());
     }
 
     /// How likely a choice can be rendered: each of its values is blamed for its share of failures.
@@ -226,6 +229,13 @@ class Search {
             chance *= 1 - failed / (measured + 1.0);
         }
         return chance;
+    }
+
+    /// By how much less, as a logarithm, a choice counts for the time that measuring it takes: in proportion where it
+    /// is more than twice the geometric mean so far. Below that the gain alone decides, not what the clock happens to
+    /// say.
+    double penalty(const Choice& choice) const {
+        return usualEffort_ ? std::max(effort_.predict(choice).mean - *usualEffort_ - std::log(2.0), 0.0) : 0;
     }
 
     /// Logarithm of the gain that is expected of measuring a choice: of the logarithm of time, or before the bound is
@@ -259,8 +269,7 @@ class Search {
         const auto consider = [&](const Choice& choice) {
             const double value = gain(choice, bestTime);
             // What is not worth it comes after all that is, but a climb may lead through it.
-            const double score =
-                value - (effortsKnown_ ? effort_.predict(choice).mean : 0) - (value < leastGain ? 1e6 : 0);
+            const double score = value - penalty(choice) - (value < leastGain ? 1e6 : 0);
             if (score <= bestScore || known(choice)) return false;
             bestScore = score, best = choice, worthwhile = value >= leastGain;
             return true;
@@ -356,7 +365,7 @@ class Search {
     const MeasureChoices& measure_;
     std::vector<Choice> all_;  ///< canonical; empty when there are too many
     Model time_{space_, +1}, error_{space_, -1}, effort_{space_, +1, space_.efforts};
-    bool effortsKnown_ = false;
+    std::optional<double> usualEffort_;  ///< mean logarithm of the seconds that measurements took; none when not told
     std::mt19937 random_{1};
     SearchResult result_;
 };

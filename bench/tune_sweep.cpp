@@ -55,6 +55,7 @@ Table sweep(const TuneSpace& space, const std::vector<Choice>& all, SettingsMete
                           {"error", m.failure.empty() ? m.errors.at(options.metric) : 0},
                           {"samples", m.samplesPerPixel},
                           {"seconds", m.seconds},
+                          {"build_seconds", m.buildSeconds},
                           {"failure", m.failure}};
             if (!options.table.empty()) writeTextFile(options.table, rows.dump(1) + "\n");
         }
@@ -86,7 +87,7 @@ int run(const Options& options) {
         return Cost{options.cost == "samples"    ? m.samplesPerPixel
                     : options.cost == "first-ms" ? m.firstMilliseconds
                                                  : m.steadyMilliseconds,
-                    m.errors.at(options.metric), m.seconds};
+                    m.errors.at(options.metric), m.seconds, m.buildSeconds};
     };
 
     std::vector<double> errors;

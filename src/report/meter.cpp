@@ -43,7 +43,7 @@ Measured measuredOf(const json& tree) {
     for (const auto& [name, value] : tree.at("errors").items())
         m.errors[name] = value.is_null() ? INFINITY : value.get<double>();
     m.samplesPerPixel = tree.at("samples_per_pixel"), m.memoryBytes = tree.at("memory_bytes");
-    m.seconds = tree.at("seconds");
+    m.seconds = tree.at("seconds"), m.buildSeconds = tree.at("build_seconds");
     return m;
 }
 
@@ -170,6 +170,8 @@ void SettingsMeter::renderShot(const Shot& shot, const std::vector<Settings>& li
             const Reference truth = evaluator_.reference(shot, frame, sized[i]);
             const PictureResult picture = trials[i]->picture(truth, {channel_});
             Measured& m = out[i];
+            const Repeat& built = trials[i]->warmedUp();
+            m.buildSeconds += std::max(built.first.milliseconds - built.steady.milliseconds, 0.0) / 1000;
             // Sums of passes are what estimates scale; whole pictures have the frame's own time.
             m.firstMilliseconds = std::max(m.firstMilliseconds, divisor > 1 ? first : measurement.first.median);
             m.steadyMilliseconds = std::max(m.steadyMilliseconds, divisor > 1 ? steady : measurement.steady.median);

@@ -12,15 +12,16 @@
 
 namespace voxcone {
 
-/// Of several shots the largest value of each counts, but for `seconds`.
+/// Of several shots the largest value of each counts, but for seconds, which add up.
 struct Measured {
     double firstMilliseconds = 0, steadyMilliseconds = 0;  ///< a frame that builds all, and one where nothing moved
     std::map<std::string, double> errors;                  ///< magnitudes by metric, of the meter's channel
     double samplesPerPixel = 0;
     std::uint64_t memoryBytes = 0;
-    double seconds = 0;   ///< that the measurement took, of all shots
-    bool kept = false;    ///< from a search before this one
-    std::string failure;  ///< why it cannot be rendered; the rest is 0 then
+    double seconds = 0;       ///< that the measurement took, of all shots
+    double buildSeconds = 0;  ///< of these, what the first frames took longer than the next ones
+    bool kept = false;        ///< from a search before this one
+    std::string failure;      ///< why it cannot be rendered; the rest is 0 then
 };
 
 /// Measures settings on the first frame of every shot of a script.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <random>
 #include <set>
 
@@ -203,20 +202,23 @@ class Search {
 
     void fit() {
         std::vector<Choice> choices;
-        std::vector<double> times, errors, efforts;
+        std::vector<double> times, errors, building;
+        double seconds = 0;  // sum of logarithms
         for (const SearchResult::Probe& p : result_.probes) {
             if (!p.cost) continue;
             choices.push_back(p.choice);
             times.push_back(std::log(p.cost->milliseconds));
             errors.push_back(std::log(p.cost->error));
-            if (p.cost->seconds > 0) efforts.push_back(std::log(p.cost->seconds));
+            if (p.cost->seconds <= 0 || p.cost->building <= 0) continue;
+            building.push_back(std::log(p.cost->building));
+            seconds += std::log(p.cost->seconds);
         }
         time_.fit(choices, times, {0.01, 0.03, 0.1, 0.25});
         error_.fit(choices, errors, {0.03, 0.08});
-        usualEffort_.reset();
-        if (efforts.size() < choices.size()) return;
-        effort_.fit(choices, efforts, {0.03, 0.1, 0.3});
-        usualEffort_ = std::accumulate(efforts.begin(), efforts.end(), 0.0) / static_cast<double>(efforts.size());
+        usualSeconds_.reset();
+        if (building.size() < choices.size()) return;
+        building_.fit(choices, building, {0.03, 0.1, 0.3});
+        usualSeconds_ = std::exp(seconds / static_cast<double>(choices.size()));
     }
 
     /// How likely a choice can be rendered: each of its values is blamed for its share of failures.
@@ -231,11 +233,11 @@ class Search {
         return chance;
     }
 
-    /// By how much less, as a logarithm, a choice counts for the time that measuring it takes: in proportion where it
-    /// is more than twice the geometric mean so far. Below that the gain alone decides, not what the clock happens to
+    /// By how much less, as a logarithm, a choice counts for the time that it takes to build: in proportion where that
+    /// is more than two measurements usually take. Below that the gain alone decides, not what the clock happens to
     /// say.
     double penalty(const Choice& choice) const {
-        return usualEffort_ ? std::max(effort_.predict(choice).mean - *usualEffort_ - std::log(2.0), 0.0) : 0;
+        return usualSeconds_ ? std::max(building_.predict(choice).mean - std::log(2 * *usualSeconds_), 0.0) : 0;
     }
 
     /// Logarithm of the gain that is expected of measuring a choice: of the logarithm of time, or before the bound is
@@ -364,8 +366,8 @@ class Search {
     const int budget_;
     const MeasureChoices& measure_;
     std::vector<Choice> all_;  ///< canonical; empty when there are too many
-    Model time_{space_, +1}, error_{space_, -1}, effort_{space_, +1, space_.efforts};
-    std::optional<double> usualEffort_;  ///< mean logarithm of the seconds that measurements took; none when not told
+    Model time_{space_, +1}, error_{space_, -1}, building_{space_, +1, space_.efforts};
+    std::optional<double> usualSeconds_;  ///< geometric mean of what measurements took; none when not told
     std::mt19937 random_{1};
     SearchResult result_;
 };

@@ -50,6 +50,13 @@ void include(std::vector<json>& values, const json& value) {
     values.insert(after, value);
 }
 
+/// SearchSpace::efforts of a setting. Surfaces of twice the resolution have four times the voxels, each of which
+/// gathers its bounces by cones.
+double effortOf(const std::string& key) {
+    if (key == "voxel.resolution") return std::log(4.0);
+    return key.starts_with("light.bounce") || key == "cascade.levels" ? 0.5 : 0.2;
+}
+
 }  // namespace
 
 Settings TuneSpace::settingsOf(const Choice& choice) const {
@@ -83,11 +90,7 @@ SearchSpace TuneSpace::searchSpace(bool smallPictures) const {
     for (const Knob& knob : knobs) {
         places[knob.key] = space.sizes.size();
         space.sizes.push_back(static_cast<int>(knob.values.size()));
-        // Surfaces of twice the resolution have four times the voxels, each of which gathers its bounces by cones.
-        space.efforts.push_back(knob.key == "voxel.resolution" ? std::log(4.0)
-                                : knob.key == "cascade.levels" ? 0.5
-                                                               : 0.2);
-        lowest.push_back(0), highest.push_back(static_cast<int>(knob.values.size()) - 1);
+        space.efforts.push_back(effortOf(knob.key));
     }
     space.seeds.push_back(nearest(base));
     // Not `accurate`, whose light may take minutes: the search goes up to it where nothing less will do.
@@ -205,7 +208,7 @@ TuneResult tune(SettingsMeter& meter, const TuneSpace& space, const TuneOptions&
                 const double time = milliseconds(m) + (options.firstFrame ? 0 : kFirstShare * m.firstMilliseconds);
                 // A picture without error and a clock that has not ticked have no logarithm.
                 costs.emplace_back(Cost{std::max(time, 1e-6), std::max(m.errors.at(options.metric), 1e-12),
-                                        std::max(m.seconds, 1e-3)});
+                                        std::max(m.seconds, 1e-3), std::max(m.buildSeconds, 1e-3)});
             } else {
                 ++result.failed;
                 costs.emplace_back(std::nullopt);

@@ -69,7 +69,7 @@ struct Answers {
     const Table& table;
     double noise = 0;                                  ///< standard deviation of the logarithm of times
     double pictureFactor = 1;                          ///< errors of the search are less by it
-    std::function<double(const Choice&)> effort = {};  ///< seconds of a measurement; untold when empty
+    std::function<double(const Choice&)> effort = {};  ///< seconds to build; untold when empty
     int calls = 0;
     std::mt19937 random{5};
 
@@ -80,7 +80,7 @@ struct Answers {
             Cost cost = table.at(choice);
             if (noise > 0) cost.milliseconds *= std::exp(std::normal_distribution(0.0, noise)(random));
             if (stage == Stage::search) cost.error /= pictureFactor;
-            if (effort) cost.seconds = effort(choice);
+            if (effort) cost.seconds = cost.building = effort(choice);
             out.emplace_back(cost);
         }
         return out;
@@ -154,8 +154,8 @@ TEST_P(Searches, SmallPicturesThatErrLess) {
     EXPECT_GE(s.within, 0.85 * s.total);
 }
 
-/// The last knob builds light: it changes the error but hardly the time, and a measurement takes four times as long at
-/// each of its values.
+/// The last knob builds light: it changes the error but hardly the time, and takes four times as long to build at each
+/// of its values.
 TEST(Search, ShortMeasurementsComeFirst) {
     const std::vector<int> sizes = {4, 4, 4};
     const auto effort = [](const Choice& choice) { return std::pow(4.0, choice[2]) * (1 + 0.1 * choice[0]); };

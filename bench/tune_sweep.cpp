@@ -87,7 +87,7 @@ int run(const Options& options) {
         return Cost{options.cost == "samples"    ? m.samplesPerPixel
                     : options.cost == "first-ms" ? m.firstMilliseconds
                                                  : m.steadyMilliseconds,
-                    m.errors.at(options.metric), m.seconds, m.buildSeconds};
+                    m.errors.at(options.metric), m.buildSeconds, m.seconds - m.buildSeconds};
     };
 
     std::vector<double> errors;

@@ -31,7 +31,8 @@ json toJson(const Measured& m) {
     json errors = json::object();
     for (const auto& [name, value] : m.errors) errors[name] = std::isfinite(value) ? json(value) : json(nullptr);
     return {{"first_ms", m.firstMilliseconds},        {"steady_ms", m.steadyMilliseconds}, {"errors", errors},
-            {"samples_per_pixel", m.samplesPerPixel}, {"memory_bytes", m.memoryBytes},     {"seconds", m.seconds}};
+            {"samples_per_pixel", m.samplesPerPixel}, {"memory_bytes", m.memoryBytes},     {"seconds", m.seconds},
+            {"build_seconds", m.buildSeconds}};
 }
 
 Measured measuredOf(const json& tree) {

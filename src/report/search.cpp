@@ -202,22 +202,24 @@ class Search {
 
     void fit() {
         std::vector<Choice> choices;
-        std::vector<double> times, errors, building;
+        std::vector<double> times, errors, building, rendering;
         double seconds = 0;  // sum of logarithms
         for (const SearchResult::Probe& p : result_.probes) {
             if (!p.cost) continue;
             choices.push_back(p.choice);
             times.push_back(std::log(p.cost->milliseconds));
             errors.push_back(std::log(p.cost->error));
-            if (p.cost->seconds <= 0 || p.cost->building <= 0) continue;
+            if (p.cost->building <= 0 || p.cost->rendering <= 0) continue;
             building.push_back(std::log(p.cost->building));
-            seconds += std::log(p.cost->seconds);
+            rendering.push_back(std::log(p.cost->rendering));
+            seconds += std::log(p.cost->building + p.cost->rendering);
         }
         time_.fit(choices, times, {0.01, 0.03, 0.1, 0.25});
         error_.fit(choices, errors, {0.03, 0.08});
         usualSeconds_.reset();
         if (building.size() < choices.size()) return;
         building_.fit(choices, building, {0.03, 0.1, 0.3});
+        rendering_.fit(choices, rendering, {0.03, 0.1, 0.3});
         usualSeconds_ = std::exp(seconds / static_cast<double>(choices.size()));
     }
 
@@ -233,11 +235,12 @@ class Search {
         return chance;
     }
 
-    /// By how much less, as a logarithm, a choice counts for the time that it takes to build: in proportion where that
-    /// is more than two measurements usually take. Below that the gain alone decides, not what the clock happens to
-    /// say.
+    /// By how much less, as a logarithm, a choice counts for the time that measuring it takes: in proportion where that
+    /// is more than twice the usual. Below that the gain alone decides, not what the clock happens to say.
     double penalty(const Choice& choice) const {
-        return usualSeconds_ ? std::max(building_.predict(choice).mean - std::log(2 * *usualSeconds_), 0.0) : 0;
+        if (!usualSeconds_) return 0;
+        const double seconds = std::exp(building_.predict(choice).mean) + std::exp(rendering_.predict(choice).mean);
+        return std::max(std::log(seconds / (2 * *usualSeconds_)), 0.0);
     }
 
     /// Logarithm of the gain that is expected of measuring a choice: of the logarithm of time, or before the bound is
@@ -366,7 +369,7 @@ class Search {
     const int budget_;
     const MeasureChoices& measure_;
     std::vector<Choice> all_;  ///< canonical; empty when there are too many
-    Model time_{space_, +1}, error_{space_, -1}, building_{space_, +1, space_.efforts};
+    Model time_{space_, +1}, error_{space_, -1}, building_{space_, +1, space_.efforts}, rendering_{space_, +1};
     std::optional<double> usualSeconds_;  ///< geometric mean of what measurements took; none when not told
     std::mt19937 random_{1};
     SearchResult result_;

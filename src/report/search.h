@@ -4,8 +4,8 @@
 // sums of what each step of each knob changes, and of what two knobs change together; steps have a Gaussian prior, so
 // that the model is a Gaussian process whose kernel is that of random walks along the knobs. The next combination to
 // measure is the one with the largest expected gain in time, times the probability that it meets the bound (J. Gardner
-// et al. 2014, "Bayesian Optimization with Inequality Constraints"). Where building it is expected to take more than
-// twice as long as a measurement usually does, its gain counts for that much less (J. Snoek et al. 2012, "Practical
+// et al. 2014, "Bayesian Optimization with Inequality Constraints"). Where measuring it is expected to take more than
+// twice as long as usual, its gain counts for that much less (J. Snoek et al. 2012, "Practical
 // Bayesian Optimization of Machine Learning Algorithms", 3.2, whose gain per second lets what the clock happens to say
 // decide between all): voxels and light may take minutes to build where a frame takes milliseconds. Pictures to search
 // with may be smaller than those that are meant: the best found are measured again as they are meant, and tell how far
@@ -24,8 +24,8 @@ using Choice = std::vector<int>;
 /// What a choice costs; time and error > 0 and finite.
 struct Cost {
     double milliseconds = 0, error = 0;
-    double seconds = 0;   ///< that measuring it took; 0 when all take alike
-    double building = 0;  ///< of these, before frames could be timed: of voxels and light
+    /// Seconds that measuring it took: to build voxels and light, and for the rest. 0 when all take alike.
+    double building = 0, rendering = 0;
 };
 
 struct SearchSpace {

@@ -90,6 +90,7 @@ SearchSpace TuneSpace::searchSpace(bool smallPictures) const {
     for (const Knob& knob : knobs) {
         places[knob.key] = space.sizes.size();
         space.sizes.push_back(static_cast<int>(knob.values.size()));
+        lowest.push_back(0), highest.push_back(static_cast<int>(knob.values.size()) - 1);
         space.efforts.push_back(effortOf(knob.key));
     }
     space.seeds.push_back(nearest(base));
@@ -208,7 +209,7 @@ TuneResult tune(SettingsMeter& meter, const TuneSpace& space, const TuneOptions&
                 const double time = milliseconds(m) + (options.firstFrame ? 0 : kFirstShare * m.firstMilliseconds);
                 // A picture without error and a clock that has not ticked have no logarithm.
                 costs.emplace_back(Cost{std::max(time, 1e-6), std::max(m.errors.at(options.metric), 1e-12),
-                                        std::max(m.seconds, 1e-3), std::max(m.buildSeconds, 1e-3)});
+                                        std::max(m.buildSeconds, 1e-3), std::max(m.seconds - m.buildSeconds, 1e-3)});
             } else {
                 ++result.failed;
                 costs.emplace_back(std::nullopt);

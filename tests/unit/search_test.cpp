@@ -80,7 +80,7 @@ struct Answers {
             Cost cost = table.at(choice);
             if (noise > 0) cost.milliseconds *= std::exp(std::normal_distribution(0.0, noise)(random));
             if (stage == Stage::search) cost.error /= pictureFactor;
-            if (effort) cost.seconds = cost.building = effort(choice);
+            if (effort) cost.building = effort(choice), cost.rendering = 1;
             out.emplace_back(cost);
         }
         return out;

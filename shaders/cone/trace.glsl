@@ -332,7 +332,13 @@ ConeResult traceConeTo(Cone cone, float reach) {
         // The middle of the segment may lie in a coarser level already.
         vec3 x = o + d * (t + 0.5 * ds);
         // Next to the surface that the cone leaves walls end, and filtered they are half open.
-        x += n * max(0.0, offset - dot(x - o, n));
+        float lift = offset;
+#if !SIX_FACE
+        // One opacity for all directions holds the surface itself, from the middle of its voxels, which may lie half a
+        // voxel above it, as far as the filter reaches: one more voxel of the level that is read.
+        lift = max(lift, 1.5 * exp2(lod) * (abs(n.x) + abs(n.y) + abs(n.z)));
+#endif
+        x += n * max(0.0, lift - dot(x - o, n));
 #if CASCADES
         lod = max(lod, containmentLevel(x));
 #endif

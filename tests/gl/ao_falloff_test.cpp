@@ -93,5 +93,37 @@ TEST_F(AmbientOcclusion, FalloffsOfAWallAndOfAHalfPlaneOverhead) {
     }
 }
 
+/// Whatever a storage knows of directions, and however the floor lies in the grid.
+TEST_F(AmbientOcclusion, AFloorHidesNothingFromItself) {
+    for (const VoxelStorage storage : {VoxelStorage::isotropic, VoxelStorage::sh1, VoxelStorage::six_face}) {
+        for (const double degrees : {0.0, 20.0, 45.0}) {
+            const glm::dmat4 turn = translation({0.02, 0.013, -0.01}) * rotation(degrees, {1, 0, 0.6});
+            const Scene floor = SceneBuilder()
+                                    .add(box({6, 0.6, 6}), lambert(0.5f), turn * translation({0, -0.3, 0}))
+                                    .sky(glm::vec3(1))
+                                    .build();
+            Settings settings;
+            settings.voxel.resolution = 64;
+            settings.voxel.storage = storage;
+            settings.light.bounces = 0;
+            VoxelLab lab(glContext(), floor, settings, 8.0 / 64);
+            std::mt19937 random(5);
+            std::uniform_real_distribution<double> place(-1.2, 1.2);
+            std::vector<ConeProbe> probes;
+            for (int i = 0; i < 64; ++i)
+                probes.push_back({glm::dvec3(turn * glm::dvec4(place(random), 0, place(random), 1)),
+                                  glm::vec3(turn * glm::dvec4(0, 1, 0, 0))});
+            double least = 1, sum = 0;
+            for (const auto& result : lab.gather(probes)) {
+                least = std::min(least, static_cast<double>(result.openness));
+                sum += result.openness;
+            }
+            fmt::print("storage {}, {} degrees: openness {:.4f}, least {:.4f}\n", static_cast<int>(storage), degrees,
+                       sum / 64, least);
+            EXPECT_GT(least, 0.98) << static_cast<int>(storage) << ", " << degrees;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace voxcone::test

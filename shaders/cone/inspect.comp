@@ -21,9 +21,9 @@ uint g_count = 0u;
 #include "cone/sky.glsl"
 #include "cone/trace.glsl"
 #include "cone/cone_set.glsl"
+#include "cone/specular_albedo.glsl"
 #if LOBE == SPECULAR
 #include "cone/specular_cones.glsl"
-#include "cone/specular_albedo.glsl"
 #elif LOBE == BEAM || LOBE == SCATTERED
 #include "cone/refraction_cones.glsl"
 #endif

@@ -2,8 +2,8 @@
 // frame/gbuffer.glsl, cone/trace.glsl and cone/cone_set.glsl, and the defines BEAMS and SCATTERING.
 
 #if BEAMS
-uniform sampler2D u_specularAlbedo;  // (A, B) over (n·v, roughness): f0 A + f90 B
-uniform usampler2D u_exits;          // back faces of solids: normal, distance along the view
+#include "cone/specular_albedo.glsl"
+uniform usampler2D u_exits;  // back faces of solids: normal, distance along the view
 mat3 g_pixelFromWorld;  // of an offset from the eye: distance along the view times (place in pixels, 1)
 
 /// How far `p` lies before the nearest back face in its pixel, along the view; negative behind it or where there is none.
@@ -49,8 +49,7 @@ float wayInside(vec3 p, vec3 d, float reach, out vec3 normal) {
 /// Sets the cone of the beam that comes to the eye. Answers what share of its radiance arrives there.
 vec3 beamCone(GBufferSample s, float inverseVoxelSize, out Cone cone) {
     float nDotV = max(dot(s.normal, s.toEye), 1e-3);
-    float roughness = sqrt(s.surface.alpha);
-    vec2 parts = textureLod(u_specularAlbedo, vec2(nDotV, roughness), 0.0).rg;
+    vec2 parts = specularAlbedoParts(nDotV, s.surface.alpha);
     // What the facets do not reflect.
     vec3 weight = s.beam * max((1.0 - maxComponent(s.surface.f0)) * parts.x + (1.0 - s.surface.f90) * parts.y, 0.0);
     cone.level = 0.0;

@@ -199,7 +199,7 @@ std::vector<Field> fields(Settings& s) {
                "footprint is at most the height above the tangent plane over this; 0 = no cap"),
         choice("cone.start", s.cone.start, {"normal", "nudge"},
                "start offset along the normal, or the nudge along the cone of Rauwendaal"),
-        number("cone.offset", s.cone.offset, 0, 8, "voxels", "least height above the surface where the filtered volumes are sampled, times |n|_1"),
+        number("cone.offset", s.cone.offset, 0, 8, "voxels", "least height above the surface where the filtered volumes are sampled, times |n|_1; sh1 and isotropic need 1.5 voxels of the level read"),
         number("cone.near_field", s.cone.nearField, 0, 64, "voxels",
                "so far cones meet the surfaces in voxels exactly instead of filtered; 0 = not at all"),
         number("cone.nudge", s.cone.nudge, 0, 8, "voxel diagonals", "nudge factor"),

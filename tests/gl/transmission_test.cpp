@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "frame/renderer.h"
+#include "light/specular_table.h"
 #include "support/gl_context.h"
 #include "support/shapes.h"
 
@@ -55,6 +56,20 @@ struct Picture {
 };
 
 const Camera kDown = camera({0, 5, 0}, {0, 0, 0}, 10, {0, 0, -1});
+
+TEST_F(TransmissionTest, PanePassesWhatItsFacetsDoNotReflect) {
+    for (const float roughness : {0.05f, 0.4f}) {
+        for (const double degrees : {60.0, 80.0}) {
+            const Scene scene = oneObject(quad(16, 16), glass(roughness), rotation(degrees, {1, 0, 0}), glm::vec3(1));
+            Picture picture(scene, kDown);
+            const glm::dvec2 parts =
+                specularAlbedo(std::cos(glm::radians(degrees)), static_cast<double>(roughness) * roughness, 1 << 14);
+            const Image image = picture.renderer.channel("transmission");
+            const double seen = mean(image, 0.45, 0.55).x;
+            EXPECT_NEAR(seen, 0.96 * parts.x, 0.004) << roughness << ", " << degrees;
+        }
+    }
+}
 
 TEST_F(TransmissionTest, GlassUnderUniformLightCanHardlyBeSeen) {
     for (const float roughness : {0.0f, 0.3f}) {

@@ -168,10 +168,12 @@ class Search {
             probe(space_.canonicalOf(seed));
         }
         if (space_.smallPictures) confirm(1);
-        // What confirming leaves of the budget goes into searching on.
+        // What confirming leaves of the budget goes into searching on. Where pictures are those meant already, it can but
+        // time them again.
+        const int kept = space_.smallPictures ? kConfirmed : 1;
         bool more = true;
         while (more && result_.measurements < budget_) {
-            while (result_.measurements < budget_ - kConfirmed) {
+            while (result_.measurements < budget_ - kept) {
                 const std::optional<Choice> next = choose();
                 if (!next) break;
                 probe(*next);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "core/check.h"
@@ -239,8 +240,14 @@ TuneResult tune(SettingsMeter& meter, const TuneSpace& space, const TuneOptions&
         return milliseconds(a.measured) < milliseconds(b.measured);
     });
     const auto errorOf = [&](const TuneResult::Row& row) { return row.measured.errors.at(options.metric); };
-    for (TuneResult::Row& row : rows)
-        if (result.front.empty() || errorOf(row) < errorOf(result.front.back())) result.front.push_back(std::move(row));
+    double least = std::numeric_limits<double>::infinity();
+    for (TuneResult::Row& row : rows) {
+        const double error = errorOf(row);
+        // Single times of what was not confirmed may look better than the choice.
+        const bool chosen = result.cheapest && row.choice == result.cheapest->choice;
+        if (error < least || chosen) result.front.push_back(std::move(row));
+        least = std::min(least, error);
+    }
     return result;
 }
 

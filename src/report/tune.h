@@ -62,7 +62,7 @@ struct TuneResult {
         Measured measured;       ///< errors corrected by how far small pictures err in the bounded one
         bool confirmed = false;  ///< on whole pictures
     };
-    std::vector<Row> front;       ///< of all that was measured: faster than all that err less, by time
+    std::vector<Row> front;       ///< by time: what is faster than all that errs less, and the cheapest
     std::optional<Row> cheapest;  ///< of the confirmed ones that meet the error
     bool met = false;             ///< by `cheapest`, the time too
     int measurements = 0, failed = 0;

@@ -62,8 +62,8 @@ Table sweep(const TuneSpace& space, const std::vector<Choice>& all, SettingsMete
         const json& row = rows[name];
         Measured& m = table[choice];
         m.firstMilliseconds = row["first_ms"], m.steadyMilliseconds = row["steady_ms"];
-        m.errors[options.metric] = row["error"], m.samplesPerPixel = row["samples"],
-        m.seconds = row.value("seconds", 0.0);
+        m.errors[options.metric] = row.at("error"), m.samplesPerPixel = row.at("samples");
+        m.seconds = row.at("seconds"), m.buildSeconds = row.at("build_seconds");
         m.failure = row["failure"];
         progress.update(static_cast<double>(table.size()) / static_cast<double>(all.size()));
     }
